@@ -37,7 +37,16 @@ def write(dataset: xr.Dataset, path: str | Path, replace: bool = True) -> Path:
     Every variable is compressed with zlib and carries the format's own checksum (Fletcher-32), which any reader of
     netCDF verifies. What lies between the variables (the index of their pieces, text of variable length) has none, so the
     file has a seal as well (``sealed.seal_behind``). What the CF Conventions ask of every file (title, history without a date,
-    source, a name for each variable) is added where the dataset does not say it itself. A write that fails leaves nothing behind.
+    source, a name for each variable) is added where the dataset does not say it itself.
+
+    Parameters
+    ----------
+    dataset
+        Each float variable has ``units`` and ``long_name``.
+    path
+        The netCDF file. A write that fails leaves nothing behind.
+    replace
+        Whether a file of that name may be replaced.
 
     Raises
     ------

@@ -70,8 +70,21 @@ def told_to(audience: Audience) -> Iterator[None]:
 
 
 class Refusal(Exception):
-    """Something that cannot be done; its parts are those of an ``InputError``. No text is searched for what it means: a program goes by the
-    ``code``, and by the ``settings`` that the mend names, by their cells in the sample sheet, with the value that it gives them ("" for none).
+    """Something that cannot be done: where, what is wrong, what was expected, the mend.
+
+    Parameters
+    ----------
+    where
+        The file, row, column or key.
+    problem, expected, mend
+        Plain sentences without a final full stop.
+    code
+        What a program goes by, "" where none needs to: no text is searched for what it means.
+
+    Attributes
+    ----------
+    settings
+        The settings that the mend names, by their cells in the sample sheet, with the value that it gives them ("" where it gives none).
     """
 
     heading = "This cannot be done."

@@ -16,11 +16,26 @@ _MEND = "run the study again, which writes it"
 def write_manifest(
     results: str | Path, output: str | Path, parts: Sequence[str] = (".",), without: Sequence[str] = ()
 ) -> int:
-    """How many files the manifest lists that was written as ``output``: those of the ``parts`` of the folder ``results`` (files or folders
-    relative to it; what is not there has no files), ``without`` some of them.
+    """How many files the manifest lists.
 
     An entry is path (relative to ``results``), size in bytes and SHA-256, sorted by path. Manifests, seals, logs, benchmarks and
-    unfinished files are not listed. InputError where a file is not what its seal was taken of; nothing is written then.
+    unfinished files are not listed.
+
+    Parameters
+    ----------
+    results
+        The folder.
+    output
+        The manifest to write.
+    parts
+        Files or folders relative to ``results``; what is not there has no files.
+    without
+        Parts that are left out.
+
+    Raises
+    ------
+    InputError
+        If a file is not what its seal was taken of; nothing is written then.
     """
     results = Path(results)
     outside = [results / part for part in without]

@@ -22,7 +22,12 @@ def moment(time: float, digits: int = 6) -> str:
 def value_with_uncertainty(value: float, uncertainty: float, known: float = nan) -> str:
     """A text such as ``1.418(45)``: the standard uncertainty, with two digits (GUM 7.2.6), in units of the last digits.
 
-    An uncertainty that is not above 0 gives ``value(?)``; ``known`` is the part that is known of it: the value is cut at its first digit.
+    Parameters
+    ----------
+    value, uncertainty
+        In one unit. An uncertainty that is not above 0 gives ``value(?)``.
+    known
+        The part that is known of an uncertainty that is not: the value is cut at its first digit.
     """
     parts = _cut(value, uncertainty, "two")
     number, error, last, power = parts or _cut(value, known, "one") or (None, None, 0, 0)
@@ -39,8 +44,17 @@ def value_with_uncertainty(value: float, uncertainty: float, known: float = nan)
 def plus_minus(value: float, uncertainty: float, rule: str = "two") -> str:
     """A text such as ``1.418 ± 0.045``, or ``(1.20 ± 0.34)e-7``: both numbers with the same decimals.
 
-    Digits before the point are never rounded away. By the rule the uncertainty has ``two`` digits, ``one``, or ``limit`` (two, or one where the
-    second is a zero); ValueError for another.
+    Parameters
+    ----------
+    value, uncertainty
+        As of ``value_with_uncertainty``. Digits before the point are never rounded away.
+    rule
+        Digits of the uncertainty: ``two``, ``one`` or ``limit`` (two, or one where the second is a zero).
+
+    Raises
+    ------
+    ValueError
+        For another rule.
     """
     if (parts := _cut(value, uncertainty, rule, coarsest=0)) is None:
         return _unknown(value, " ± ?")

@@ -115,9 +115,23 @@ def check(content: Any, schema: str, where: object, part: str = "key") -> dict[s
     """A copy of a mapping read from YAML, with the defaults of a schema filled in.
 
     Unknown keys are refused before all other faults. A number is a finite number. A group that stands there empty counts as left out.
-    Beside JSON Schema's own words a schema (file name in ``schemas``) may say of a value that it refuses what is the matter with it
-    (``refused``) and the ``mend``. InputError for the first fault, with the place ``where`` and the key: of the row of a table the ``part`` is
-    a column.
+    Beside JSON Schema's own words a schema may say of a value that it refuses what is the matter with it (``refused``) and the ``mend``.
+
+    Parameters
+    ----------
+    content
+        The mapping.
+    schema
+        File name in ``schemas``.
+    where
+        What an error names as its place.
+    part
+        What a key is called there: the row of a table has columns.
+
+    Raises
+    ------
+    InputError
+        For the first fault, with the key.
     """
     if not isinstance(content, dict):
         raise InputError(

@@ -150,9 +150,21 @@ def of_swings(
     restoring: str = "sine",
     checked: bool = True,
 ) -> Answer:
-    """The ``Answer`` of ``fit`` on angle datasets (``measurement.angle.to_angle``) of one pendulum, one a recording.
+    """The ``Answer`` of ``fit`` on angle datasets of one pendulum.
 
-    NotFree where no model of damping follows the motion and that is ``checked``, as it is not before a search.
+    Parameters
+    ----------
+    given
+        Angle datasets (``measurement.angle.to_angle``), one a recording.
+    fitted, effects, restoring
+        As in ``fit``.
+    checked
+        Whether a motion that no model follows is refused; false before a search.
+
+    Raises
+    ------
+    NotFree
+        If ``checked`` and no model of damping follows the motion.
     """
     try:
         return _of_swings(given, fitted, effects, restoring, checked)
@@ -309,7 +321,15 @@ def explained(
     effects: Mapping[str, Any] | None = None,
     restoring: str = "sine",
 ) -> Answer:
-    """The ``Answer`` of ``explain`` on angle datasets (``measurement.angle.to_angle``) of one pendulum, one a recording; errors as there."""
+    """The ``Answer`` of ``explain`` on angle datasets (``measurement.angle.to_angle``) of one pendulum.
+
+    Parameters
+    ----------
+    given
+        Angle datasets, one a recording.
+    base, rounds, fitted, effects, restoring
+        As in ``explain``, and so are the errors.
+    """
     engine(catalogue(effects))  # without a compiled one even the fits before the search take minutes
     first = before_search(given, fitted, effects, restoring)
     doubt = unit_doubt(given, first)

@@ -86,11 +86,24 @@ def swings(
     restoring: str = "sine",
     said: Mapping[str, Any] | None = None,
 ) -> list[xr.Dataset]:
-    """Datasets of the angle in rad over the time in s (``measurement.angle.to_angle``): one a swing, and of a series with several releases
-    one a release.
+    """Datasets of the angle in rad over the time in s, as ``measurement.angle.to_angle`` gives them.
 
-    ``said`` is what else is said of them (``Said``), the other arguments are those of ``answer.fit``. InputError with the swing and what is
-    wrong with it.
+    Parameters
+    ----------
+    times, angles, unit, names, kind, restoring
+        As of ``answer.fit``.
+    said
+        What else is said of them (``Said``); of swings by themselves nothing of an input.
+
+    Returns
+    -------
+    list of xarray.Dataset
+        One a swing, and of a series with several releases one a release.
+
+    Raises
+    ------
+    InputError
+        It names the swing and what is wrong with it.
     """
     if unit not in (None, *ANGLES):
         raise InputError(

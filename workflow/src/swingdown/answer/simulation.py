@@ -85,10 +85,23 @@ def simulate(
 def swing_of(
     model: Model, times: Any, begin: tuple[float | None, Any, float], noise: float, seed: int
 ) -> xr.DataArray:
-    """The swing of a model with values as a DataArray over ``time`` (s).
+    """The swing of a model as a DataArray over ``time`` (s).
 
-    ``begin`` is time (s; None: the first of ``times``), angle (rad) and angular velocity (rad/s) of the start; noise and seed are as of
-    ``simulate``. InputError where times precede the start, or no pendulum moves so.
+    Parameters
+    ----------
+    model
+        The model with its values.
+    times
+        Times in s.
+    begin
+        Time (s; None: the first of ``times``), angle (rad) and angular velocity (rad/s) of the start.
+    noise, seed
+        As in ``simulate``.
+
+    Raises
+    ------
+    InputError
+        If times precede the start, or no pendulum moves so.
     """
     at = array_units.times(times)
     since, angle, velocity = begin

@@ -147,7 +147,22 @@ def _point(job, digest):
 
 
 def check_room(seconds: float | None = 0.0, rate: float = 0.0, folder: str | Path = FOLDER) -> None:
-    """None where there is room in ``folder`` for a recording of so many ``seconds`` (None: an open end), ``rate`` samples in each; else Unwritten."""
+    """None where the disk has room for a recording.
+
+    Parameters
+    ----------
+    seconds
+        How long it lasts; None: an open end.
+    rate
+        Samples a second.
+    folder
+        Where it is kept.
+
+    Raises
+    ------
+    Unwritten
+        If the disk has no room.
+    """
     seconds = _LONG if seconds is None else seconds
     needed = seconds * rate * _ROOM + 1e6
     free = shutil.disk_usage(folder).free

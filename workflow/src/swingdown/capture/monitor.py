@@ -119,9 +119,21 @@ def angle_of(settings):
 
 
 def watch(settings, show, stop):
-    """A last line on the signal, when ``stop`` is set; ``show`` is called with a list of lines a few times a second.
+    """A last line on the signal, when it is told to stop.
 
-    InputError if the source that the config's ``capture`` names cannot be used, or goes away.
+    Parameters
+    ----------
+    settings
+        The config's ``capture``.
+    show
+        Called with a list of lines a few times a second.
+    stop
+        The event that ends it.
+
+    Raises
+    ------
+    InputError
+        If the source cannot be used, or goes away.
     """
     settings = source.completed(settings)
     opened = source.connect(settings)

@@ -16,10 +16,22 @@ _MANY = 100  # pieces that wait; with more there is no time for pictures
 
 
 def capture(job: Job, views=(), stop: threading.Event | None = None) -> str:
-    """A sentence on the recording that was made of a ``job``: at ``job.path``, with its row in the sheet.
+    """A sentence on the recording that was made: at ``job.path``, with its row in the sheet.
 
-    ``views`` have ``show(recorder)`` and ``close()``; ``stop`` is the event that ends the recording. InputError if the port cannot be used,
-    or no recording came of it; also if it is partial for another reason than ``stop``: it is then kept all the same.
+    Parameters
+    ----------
+    job
+        What is asked for, as ``job.job`` returns it.
+    views
+        Have ``show(recorder)`` and ``close()``.
+    stop
+        The event that ends the recording.
+
+    Raises
+    ------
+    InputError
+        If the port cannot be used, or no recording came of it. Also if it is partial for another reason than ``stop``: it is then kept all
+        the same.
     """
     take.check_absent(job.path)
     check_room(job.settings["duration_s"], job.settings["rate_hz"])
@@ -34,7 +46,17 @@ def capture(job: Job, views=(), stop: threading.Event | None = None) -> str:
 
 
 def record(job, opened, listener, views=(), stop=None):
-    """The same of a source that is ``opened`` already (``source.connect``), which ``listener`` reads, and which stays open."""
+    """A sentence on the recording that was made, as ``capture`` does, from a source that is open already and stays open.
+
+    Parameters
+    ----------
+    job, views, stop
+        As of ``capture``, and so are the errors.
+    opened
+        The source, as ``source.connect`` returns it.
+    listener
+        Reads it.
+    """
     take.check_absent(job.path)
     check_room(job.settings["duration_s"], job.settings["rate_hz"])
     began = listener.now()

@@ -11,12 +11,28 @@ from .monitor import Monitor, went_away
 
 
 def run(jobs, guide, views=(), stop=None, leave=None, say=print):
-    """A sentence on what was recorded in a session of ``jobs``, in their order.
+    """A sentence on what was recorded in a session.
 
-    What is there already is left as it is, and so is what an earlier capture left unfinished; it is named before the first is asked for.
-    ``guide`` prompts, ``views`` are as of ``recording.capture``, and ``say`` is called with each line. ``stop`` is the event that ends the
-    recording that goes on, and the session where none does; ``leave`` ends both. InputError at the end, if a recording did not come out
-    whole, or none was to be made.
+    Parameters
+    ----------
+    jobs
+        In their order. What is there already is left as it is, and so is what an earlier capture left unfinished; it is named before the
+        first is asked for.
+    guide
+        The prompts.
+    views
+        As of ``recording.capture``.
+    stop
+        The event that ends the recording that goes on, and the session where none does.
+    leave
+        The event that ends both.
+    say
+        Called with each line.
+
+    Raises
+    ------
+    InputError
+        At the end, if a recording did not come out whole, or none was to be made.
     """
     stop, leave = stop or threading.Event(), leave or threading.Event()
     wanted = [job for job in jobs if not job.path.exists()]

@@ -45,10 +45,21 @@ def mentions(path, file):
 
 
 def add_row(path, row, rehearse=False):
-    """The sheet's path, with a ``row`` (cells by column) more as its last line; InputError if it cannot be added: the sheet is left as it was.
+    """The sheet's path, with a row more as its last line. The sheet is made if it is not there.
 
-    The sheet is made if it is not there, and columns that it lacks are added to its header. ``rehearse`` does all but the change itself, so
-    that what stands against it is known before a swing is recorded in vain.
+    Parameters
+    ----------
+    path
+        The sample sheet.
+    row
+        Cells by column. Columns that the sheet lacks are added to its header.
+    rehearse
+        Do all but the change itself, so that what stands against it is known before a swing is recorded in vain.
+
+    Raises
+    ------
+    InputError
+        If the row cannot be added; the sheet is left as it was.
     """
     path = Path(path)
     row = {key: cell for key, cell in row.items() if cell not in ("", None)}
@@ -72,9 +83,21 @@ def add_row(path, row, rehearse=False):
 
 
 def add_point(path, point, rehearse=False):
-    """The apparatus sheet's path, with a ``point`` (values by key) more as the last of its ``points``; ``rehearse`` as of ``add_row``.
+    """The apparatus sheet's path, with a point more as the last of its ``points``.
 
-    InputError if lines cannot be added safely to a sheet laid out so; it holds the lines to add by hand.
+    Parameters
+    ----------
+    path
+        The apparatus sheet.
+    point
+        Values by key.
+    rehearse
+        As of ``add_row``.
+
+    Raises
+    ------
+    InputError
+        If lines cannot be added safely to a sheet laid out so; it holds the lines to add by hand.
     """
     path = Path(path)
     with _alone(path):

@@ -23,7 +23,12 @@ class Swing(NamedTuple):
 def measure(times: npt.ArrayLike, values: npt.ArrayLike, noise: float = 0.0) -> Swing | None:
     """The amplitude and period of a swing, or None where nothing swings clearly above the noise.
 
-    ``times`` in s, of shape (sample,) as the ``values``; ``noise`` is a standard deviation in their unit.
+    Parameters
+    ----------
+    times, values
+        In s and the signal's unit, both of shape (sample,).
+    noise
+        Standard deviation, in the signal's unit.
     """
     times, values = np.asarray(times, float), np.asarray(values, float)
     if len(values) < 8:

@@ -55,9 +55,20 @@ class Watch:
 def release(times: npt.ArrayLike, values: npt.ArrayLike, at: int, threshold: float, power: int = 2) -> float:
     """The time (s) of the first sample at which the bob was free, or the last before.
 
-    From rest a pendulum leaves its level with the square of the time (``power`` 2), and its angular rate with the time (1). The moment is
-    that from which such a curve follows the values best. ``times`` (s) and ``values`` are of the rows around the release, which was noticed
-    at index ``at``, ``threshold`` away from the level; in the first half of the time before it the bob was held.
+    From rest a pendulum leaves its level with the square of the time, and its angular rate with the time. The moment is that from which
+    such a curve follows the values best.
+
+    Parameters
+    ----------
+    times, values
+        Of the rows around the release, in s and the signal's unit, both of shape (row,). Those in the first half of the time before ``at``
+        were taken while the bob was held.
+    at
+        Index at which the release was noticed.
+    threshold
+        How far from its level the signal was then, in its unit.
+    power
+        2 of an angle, 1 of an angular rate.
     """
     times, values = np.asarray(times, float), np.asarray(values, float)
     held = values[: max(at // 2, 1)]

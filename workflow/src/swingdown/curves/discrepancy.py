@@ -47,11 +47,22 @@ class Known(NamedTuple):
 def with_discrepancy(
     found: Free, model: Model, covariance: Floats | None, amplitude: Floats, angle: Floats, speed: Floats
 ) -> dict[str, Known]:
-    """``period`` (s) and ``loss`` of the logarithm of the amplitude in a half-swing of a model over the ``amplitude`` (rad), its ``restoring``
-    torque over the ``angle`` (rad, none is zero) and ``friction`` over the ``speed`` (rad/s), both in rad/s².
+    """Period (s) and loss of the logarithm of the amplitude in a half-swing of a model, its restoring torque and friction (rad/s²).
 
-    ``found`` is what the same half-swings tell free of it; ``covariance`` that of its parameters, None where nothing is known of them but the
-    values. nan where the model does not swing, and of what nothing timed tells.
+    Parameters
+    ----------
+    found
+        What the same half-swings tell free of it.
+    model, covariance
+        With values, and of its parameters; None where nothing is known of them but the values.
+    amplitude, angle, speed
+        Where the curves are asked for, in rad, rad (none is zero) and rad/s.
+
+    Returns
+    -------
+    dict
+        ``period`` and ``loss`` over the amplitude, ``restoring`` over the angle, ``friction`` over the speed; nan where the model does not
+        swing, and of what nothing timed tells.
     """
     grid = np.geomspace(found.low, found.high, _GRID)
     inverse, spread = _friction_of(found, grid)

@@ -38,9 +38,18 @@ class Line(NamedTuple):
 
 
 def lines_of(series: Floats, above: float, at: Floats | None = None) -> Iterator[Line]:
-    """The lines of a series beyond a frequency (``above``, cycles a step), strongest first: white noise has none as strong in a thousand series.
+    """The lines of a series, strongest first: white noise has none as strong in a thousand series.
 
-    ``at`` are the samples' times in steps; by default a sample a step. Source: Fisher, Proc. R. Soc. A 125, 54 (1929).
+    Source: Fisher, Proc. R. Soc. A 125, 54 (1929).
+
+    Parameters
+    ----------
+    series
+        Of shape (sample,).
+    above
+        The frequency beyond which they are sought, in cycles a step.
+    at
+        The samples' times in steps. Default: a sample a step.
     """
     at = np.arange(series.size, dtype=float) if at is None else at
     slots = np.round(at).astype(np.int64)

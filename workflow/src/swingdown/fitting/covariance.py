@@ -13,11 +13,25 @@ _RELEASE_UNITS = dict(zip(RELEASE, ("rad", "rad/s"), strict=True))
 
 
 def covariance_of(problem: Problem, hessian: Floats, rss: float, best: Floats) -> tuple[Floats, Floats]:
-    """The covariance (free, free) of the free values for independent residuals, NaN for values that a bound holds or that are undetermined;
-    and its systematic part (free, source).
+    """The covariance of the free values for independent residuals, and its systematic part.
 
-    ``hessian`` is J'J with the precision of what is known beforehand. ``rss`` is the sum of squares at the minimum ``best``; rss / (n - k)
-    is the variance of the noise.
+    Parameters
+    ----------
+    problem
+        What was fitted.
+    hessian
+        J'J with the precision of what is known beforehand, of shape (free, free).
+    rss
+        The sum of squares at the minimum; rss / (n - k) is the variance of the noise.
+    best
+        The free values there, of shape (free,).
+
+    Returns
+    -------
+    covariance
+        Of shape (free, free); NaN for values that a bound holds or that are undetermined.
+    systematic
+        Of shape (free, source).
     """
     noise, inverse = rss / (problem.n - len(problem.free)), inverse_of(problem, hessian, best)
     systematic = systematic_of(problem, inverse, best)
@@ -30,7 +44,17 @@ def covariance_of(problem: Problem, hessian: Floats, rss: float, best: Floats) -
 
 
 def inverse_of(problem: Problem, hessian: Floats, best: Floats) -> Floats:
-    """The inverse of J'J (``hessian``) over the variables that no bound holds at the minimum ``best``; NaN for those held or undetermined."""
+    """The inverse of J'J over the variables that no bound holds; NaN for those held or undetermined.
+
+    Parameters
+    ----------
+    problem
+        What was fitted.
+    hessian
+        J'J, of shape (free, free).
+    best
+        The free values at the minimum, of shape (free,).
+    """
     scale = np.sqrt(hessian.diagonal())
     free = (best > problem.lower) & (best < problem.upper) & (scale > 0)
     found, at = np.full(hessian.shape, np.nan), np.ix_(free, free)

@@ -27,8 +27,21 @@ def driven_guesses(model: Model, times: Floats, angle: Floats, drive: Drive) -> 
     """The values by parameter that a swing under a measured drive shows, for bumps of several widths.
 
     theta'' = -c theta' - omega^2 s(theta) + b f(theta, u) + d, times a bump and integrated by parts, holds no derivative of what was
-    measured; its values solve a linear least squares problem (the modulating functions of Shinbrot, Trans. ASME 79, 1957). Times in s, angles
-    in rad. InputError for angular rates, of which the angle is not known, and where no width gives a frequency.
+    measured; its values solve a linear least squares problem (the modulating functions of Shinbrot, Trans. ASME 79, 1957).
+
+    Parameters
+    ----------
+    model
+        What is fitted.
+    times, angle
+        In s and rad, both of shape (sample,).
+    drive
+        What was measured of the drive.
+
+    Raises
+    ------
+    InputError
+        If angular rates are given, of which the angle is not known, or no width gives a frequency.
     """
     if model.reading == RATE:
         raise InputError(

@@ -128,7 +128,15 @@ def _without_hole(times: Floats, steps: Floats, crossings: Floats) -> np.ndarray
 
 
 def at_first(times: Floats, series: Floats, half: float) -> tuple[float, float]:
-    """Value and slope (a second) at the first sample, of a parabola through an eighth of a half-swing, which takes ``half`` (s)."""
+    """Value and slope (a second) at the first sample, of a parabola through an eighth of a half-swing.
+
+    Parameters
+    ----------
+    times, series
+        In s and any unit, both of shape (sample,).
+    half
+        How long a half-swing takes, in s.
+    """
     few = max(4, min(times.size, int(times.searchsorted(times[0] + half / 8))))
     span = times[few - 1] - times[0]
     early = (times[:few] - times[0]) / span

@@ -17,9 +17,16 @@ def fit_nested(
 ) -> list[Found]:
     """The fits of these models, in their order, none with a higher sum of squares than a model inside it.
 
-    Smaller models go first, and a larger one also starts from every optimum of its sub-models. ``fit(model, guesses)`` returns the fit of one
-    model; without guesses it starts from the decay in the data. ``in_place(model, other fit)`` gives more guesses from the fits before that are
-    not inside; None is no fit.
+    Smaller models go first, and a larger one also starts from every optimum of its sub-models.
+
+    Parameters
+    ----------
+    models
+        The models to fit.
+    fit
+        ``fit(model, guesses)`` returns the fit of one model; without guesses it starts from the decay in the data.
+    in_place
+        ``in_place(model, other fit)`` gives more guesses from the fits before that are not inside; None is no fit.
     """
     fits: dict[str, Found] = {}
     for model in sorted(models, key=lambda model: len(model.names)):

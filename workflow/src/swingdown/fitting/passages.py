@@ -30,10 +30,23 @@ class Pace(NamedTuple):
 
 
 def pace(times: Floats, halves: np.ndarray, clock: float = 0.0, step: float = 0.0) -> Pace:
-    """The ``Pace`` of passages, by least squares with the colour and rounding of the residuals; InputError for too few of them.
+    """The ``Pace`` of passages, by least squares with the colour and rounding of the residuals.
 
-    ``halves`` are half-swings since the first passage, ``clock`` is the standard uncertainty of the clock's rate, as a share, and ``step``
-    that in which the times come (s).
+    Parameters
+    ----------
+    times
+        In s, of shape (passage,).
+    halves
+        Half-swings since the first passage, of shape (passage,).
+    clock
+        The standard uncertainty of the clock's rate, as a share.
+    step
+        That in which the times come, in s.
+
+    Raises
+    ------
+    InputError
+        If there are too few.
     """
     if times.size < _FEWEST + 2:
         raise InputError(

@@ -25,8 +25,18 @@ def allowing(fit: Fit, swings: Swings, slack: Slack, *, start: str = "free") -> 
     """The fit of the same swings once more, with the nuisance values of the measurement free within what is known of them.
 
     What is known is weighed against the fit's own residuals as they are at the pendulum's frequencies: beside a model that
-    misses much, the data have little to say on the sensor. It begins at the values of the fit. Without nuisance values it keeps them, and
-    takes the clock's uncertainty into its covariance.
+    misses much, the data have little to say on the sensor.
+
+    Parameters
+    ----------
+    fit
+        Its values are where this begins. Without nuisance values it keeps them, and takes the clock's uncertainty into its covariance.
+    swings
+        Those of the fit.
+    slack
+        What the measurement leaves open.
+    start
+        As of the fit: how swings begin.
     """
     begun = fit.model.slack.names == slack.names
     if begun and slack.names == (ZERO,) and _told_by_data(fit, slack):

@@ -114,10 +114,23 @@ class _Course(NamedTuple):
 def fit_turns(
     model: Model, turns: Turns, guesses: Sequence[Mapping[str, float]] = (), clock: float = 0.0
 ) -> TurnsFit:
-    """The ``TurnsFit`` of a model, whose values are not used, to turning points.
+    """The ``TurnsFit`` of a model to turning points.
 
-    It starts from values by name (``guesses``; 0 where absent), too. ``clock`` is the standard uncertainty of the clock's rate, as a share.
-    InputError for too few turning points; ``Unmet`` where no swing of the model meets them.
+    Parameters
+    ----------
+    model
+        The model; its values are not used.
+    turns
+        The turning points.
+    guesses
+        Values by name (0 where absent), from which it starts too.
+    clock
+        Standard uncertainty of the clock's rate, as a share.
+
+    Raises
+    ------
+    InputError
+        For too few turning points; ``Unmet`` where no swing of the model meets them.
     """
     fewest = len(model.parameters) + 2  # a first angle, and two more to tell their scatter
     if turns.angles.size < fewest:

@@ -116,8 +116,16 @@ def uncertainty(fit: Fit, swings: Swings, free: bool = False) -> Uncertainty:
     """The ``Uncertainty`` of a fit's values.
 
     The sandwich A S A: A is the inverse of J'J with what is known beforehand, S = J' R J with the autocovariance R of the
-    residuals' autoregressive model (White, Econometrica 48, 817 (1980)). Where readings come in steps, S has what rounding adds. Swings count as
-    independent. With ``free`` the ``courses`` of the result say what free courses of frequency and loss do beside the law (``fitting.course``).
+    residuals' autoregressive model (White, Econometrica 48, 817 (1980)). Where readings come in steps, S has what rounding adds.
+
+    Parameters
+    ----------
+    fit
+        The fit.
+    swings
+        The (times in s, angles in rad) that were fitted; they count as independent.
+    free
+        Whether ``courses`` of the result says what free courses of frequency and loss do beside the law (``fitting.course``).
     """
     parts = list(_means(fit, swings))
     plain = _of_parts(fit, parts, fit.rss)

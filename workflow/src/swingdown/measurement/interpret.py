@@ -41,8 +41,21 @@ TWICE = 0.2  # by which the ratio of two periods may be off 2
 def interpret(table: Table, row: Mapping[str, Any], place: str, restoring: str) -> Interpreted:
     """What the columns of a table are: the time, and the angle, rate or position.
 
-    The cells of the sheet's ``row`` go first; ``restoring`` is ``sine`` or ``linear``. InputError if the columns can be no swing, or leave
-    open what they are; it names the option that answers.
+    Parameters
+    ----------
+    table
+        As ``source.table_of`` returns it.
+    row
+        Of the sample sheet; its cells go first.
+    place
+        What an error names as its place.
+    restoring
+        ``sine`` or ``linear``.
+
+    Raises
+    ------
+    InputError
+        If the columns can be no swing, or leave open what they are; it names the option that answers.
     """
     table = apart(table)
     if (paired := f"{row['signal_column']} x") in table.names:

@@ -69,7 +69,22 @@ class Judged:
 
 
 def judge(times: Floats, signal: Floats, reading: Reading, place: str) -> Judged:
-    """The swing in a recording (``times`` in s, rising), with its spikes, windows and remarks; InputError if it is no swing in its reading's unit."""
+    """The swing in a recording, with its spikes, windows and remarks.
+
+    Parameters
+    ----------
+    times, signal
+        In s (rising) and in the reading's unit, both of shape (sample,).
+    reading
+        The unit, whether it was stated, and what pulls back.
+    place
+        What an error names as its place.
+
+    Raises
+    ------
+    InputError
+        If it is no swing of a pendulum in its unit.
+    """
     unit = reading.unit if reading.stated else ""
     remarks: list[str] = []
     if reading.unit in (*TURNS, *COUNTED):
@@ -155,9 +170,25 @@ def _without_holes(window: Window, times: Floats, signal: Floats) -> Window:
 
 
 def check_used(times: Floats, judged: Judged, used: slice, place: str, partial: bool = False) -> list[str]:
-    """Remarks on the part of a swing that is ``used``.
+    """Remarks on the part of a swing that is used.
 
-    InputError if it is too short for a fit, which a part that the sheet allows (``partial``) may be, grows, or hides swings in a hole.
+    Parameters
+    ----------
+    times
+        In s, of shape (sample,).
+    judged
+        As ``judge`` returns it.
+    used
+        Which samples.
+    place
+        What an error names as its place.
+    partial
+        Whether the sheet allows a part, which may be short.
+
+    Raises
+    ------
+    InputError
+        If it is too short for a fit, grows, or hides swings in a hole.
     """
     healed = judged.spikes.healed[used]
     if not partial and (count := len(half_swings(healed).starts)) < 3:

@@ -31,9 +31,22 @@ def time_factor(
 ) -> tuple[float, list[str]]:
     """Seconds per unit of the times, and a remark where it is not 1 or the period is odd.
 
-    Where nobody ``told`` the unit it is s, or ms, us or a spreadsheet's days where a pendulum's period is possible in that alone. ``ticks``
-    is not empty for times as a processor counts them, at which nobody reads a torsion balance: ``taken`` for ms, or ``asked``, where it is
-    open as well which column swings. InputError if no unit will do, both ms and us would, or ms and a torsion balance in s.
+    Parameters
+    ----------
+    times, signal
+        The swing, of shape (sample,).
+    told
+        Whether anybody stated the unit. Else it is s, or ms, us or a spreadsheet's days where a pendulum's period is possible in that alone.
+    place
+        What an error names as its place.
+    ticks
+        Of times as a processor counts them, at which nobody reads a torsion balance: ``taken`` for ms, or ``asked``, where it is open as
+        well which column swings.
+
+    Raises
+    ------
+    InputError
+        If no unit will do, both ms and us would, or ms and a torsion balance in s.
     """
     swings = half_swings(signal)
     period, interval = swings.period(times), float(np.median(np.diff(times)))
@@ -131,8 +144,23 @@ def angle_unit(signal: Floats, unit: str, restoring: str, place: str) -> tuple[s
     """The unit of an angle, ``rad``, ``deg``, or ``NO_SCALE``, and a remark where it is not as stated.
 
     Weight makes nothing swing back and forth by more than a turn. An angle that would in rad is in degrees; an angle that would in degrees
-    as well is a reading of unknown scale. A stated ``unit`` ("" for none) stands; InputError if it would swing too far in that, with
-    ``restoring`` ``sine``: a disc on a spring may turn further.
+    as well is a reading of unknown scale.
+
+    Parameters
+    ----------
+    signal
+        Of shape (sample,).
+    unit
+        The stated unit, which stands; "" for none.
+    restoring
+        ``sine`` or ``linear``: a disc on a spring may turn further.
+    place
+        What an error names as its place.
+
+    Raises
+    ------
+    InputError
+        If it would swing too far in the stated unit, with ``restoring`` ``sine``.
     """
     swings = half_swings(signal)
     reach = np.abs(np.diff(swings.turns)) if len(swings.turns) > 1 else np.zeros(1)

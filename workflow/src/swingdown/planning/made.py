@@ -38,8 +38,17 @@ class Made(NamedTuple):
 
 
 def made(plan: Plan, settings: Mapping[str, Any], own: bool) -> Made:
-    """What a study makes, by its recordings and its complete settings; with pendulums side by side, and what each shows against the amplitude,
-    where it is somebody's ``own``."""
+    """What a study makes.
+
+    Parameters
+    ----------
+    plan
+        Its recordings.
+    settings
+        Complete (``settings.complete``).
+    own
+        Whether it is somebody's own: pendulums are then shown side by side, with what each shows against the amplitude.
+    """
     tables, figures, study = [], [], []
     simulated = settings["simulation"]["simulated"]
     if simulated:

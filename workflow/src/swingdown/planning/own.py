@@ -314,10 +314,27 @@ def write(
     restoring: str = "sine",
     lang: str = ENGLISH,
 ) -> Path:
-    """The config written into a folder, with the sheet of the rows ``kept`` and the table of what is left out beside it; its path.
+    """The config written, with the sheet and the table of what is left out beside it; its path.
 
-    ``searched`` are the campaigns to search, ``lang`` is the language of the report. InputError where somebody changed the sheet or the config
-    since they were written here, or the folder cannot be written.
+    Parameters
+    ----------
+    folder
+        Where to.
+    kept
+        The rows of the sample sheet.
+    left_out
+        The recordings that cannot be used, with the reason.
+    searched
+        The campaigns to search, where these are not all.
+    restoring
+        ``sine`` or ``linear``.
+    lang
+        The language of the report.
+
+    Raises
+    ------
+    InputError
+        If somebody changed the sheet or the config since they were written here, or the folder cannot be written.
     """
     try:
         _check_untouched(folder)

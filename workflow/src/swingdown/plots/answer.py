@@ -23,10 +23,19 @@ _PIXELS = 900
 def swings_with_fit(
     shown: Sequence[Shown], noise: float | None, data: xr.Dataset | Mapping[str, Any], told: str = ""
 ) -> style.Drawn:
-    """A figure of angle and fit over time, and below them the residual with the noise (rad; None: not measured); a column each recording.
+    """A figure of angle and fit over time, and below them the residual with the noise; a column each recording.
 
-    Swings of one recording are in the order of their times. Of more than three recordings those with the largest, the middle and the smallest
-    angle are drawn. ``emulated`` of the ``data`` says whether they are; ``told`` stands above, such as period and quality.
+    Parameters
+    ----------
+    shown
+        Those of one recording in the order of their times. Of more than three recordings those with the largest, the middle and the smallest
+        angle are drawn.
+    noise
+        In rad; None: not measured.
+    data
+        Its ``emulated`` says whether the recordings are.
+    told
+        What stands above, such as period and quality.
     """
     parts = Shown.by_recording(shown)
     order = sorted(parts, key=lambda name: -max(float(np.ptp(one.angle)) for one in parts[name]))

@@ -153,8 +153,23 @@ def over_laws(
 ) -> dict[str, Quantity]:
     """Natural frequency, period, quality and decay time by name, whichever law of damping holds, and the parameters of the ``known`` models.
 
-    They are the means over the laws, each of which counts by its ``weight`` (``weights``), at the ``amplitude`` (rad); an uncertainty holds
-    that of each law, and how far they are apart. A parameter keeps the value of its model. ``known`` are quantities of models, by label.
+    Parameters
+    ----------
+    norms
+        Over fitted, parameter and parameter_2, of one recording.
+    weight
+        How much each law counts, by label (``weights``).
+    amplitude
+        The angle at which they hold, rad.
+    catalogue
+        The one that the models are of.
+    known
+        The quantities of models by label, where they are known already.
+
+    Returns
+    -------
+    dict
+        The means over the laws; an uncertainty holds that of each law, and how far they are apart. A parameter keeps the value of its model.
     """
     known = known or {}
     told = {name: one for own in known.values() for name, one in own.items() if name not in UNITS}
@@ -168,9 +183,18 @@ def over_laws(
 def described(
     norms: xr.Dataset, label: str, catalogue: Catalogue = SHIPPED, amplitude: float | None = None
 ) -> tuple[float, dict[str, Quantity]]:
-    """The amplitude (rad; by default the largest fitted angle) at which the quantities of one recording hold, and these by name.
+    """The amplitude (rad) at which the quantities of one recording hold, and these by name.
 
-    ``norms`` are over fitted, parameter and parameter_2: of one recording, or of several fitted together; ``label`` is the model's.
+    Parameters
+    ----------
+    norms
+        Over fitted, parameter and parameter_2: of one recording, or of several fitted together.
+    label
+        Of the model.
+    catalogue
+        The effects that the model is made of.
+    amplitude
+        In rad. Default: the largest fitted angle.
     """
     model, covariance = values_of(norms, label, catalogue)
     if amplitude is None:
@@ -193,7 +217,13 @@ def _beside(norms: xr.Dataset, label: str, model: Model) -> Beside | None:
 
 
 def values_of(norms: xr.Dataset, label: str, catalogue: Catalogue = SHIPPED) -> tuple[Model, Floats]:
-    """The fitted model ``label``, and the covariance of its parameters in the order of ``Model.parameters``; ``norms`` as of ``described``."""
+    """The fitted model, and the covariance of its parameters in the order of ``Model.parameters``.
+
+    Parameters
+    ----------
+    norms, label, catalogue
+        As of ``described``.
+    """
     options = {key: str(norms.attrs[key]) for key in ("restoring", "form") if key in norms.attrs}
     model = Model(tuple(label.split("+")), catalogue=catalogue, **options).of(reading_of(norms))  # type: ignore[arg-type]
     # by position: a selection by name of a whole dataset takes longer than a fit

@@ -153,8 +153,23 @@ def _lacking(found: Scale, swings: Sequence[Swing]) -> Scale:
 
 
 def fit_any(angle: xr.Dataset, fitted: Sequence[Model], start: str = "free") -> xr.Dataset:
-    """The fits (``experiment.fit_recording``) of a swing, whatever moves it; InputError also where they break off, as on what no pendulum
-    does."""
+    """The fits of a swing, whatever moves it.
+
+    Parameters
+    ----------
+    angle, fitted, start
+        As of ``fit_free``.
+
+    Returns
+    -------
+    xarray.Dataset
+        As ``experiment.fit_recording``.
+
+    Raises
+    ------
+    InputError
+        If the swing is too short, or the fit breaks off, as on what no pendulum does.
+    """
     try:
         return fit_recording(angle, fitted, start=start)
     except (ArithmeticError, np.linalg.LinAlgError) as problem:
@@ -167,10 +182,23 @@ def followed(
     fit_one: Callable[..., xr.Dataset] = fit_free,
     alone: bool = False,
 ) -> tuple[xr.Dataset, xr.Dataset]:
-    """The angles of a recording with their fits of the ``known`` models: of one that no model follows, those of its longest free stretch.
+    """The angles of a recording with their fits: of one that no model follows, those of its longest free stretch.
 
-    One that is ``alone`` is read once more by who asks. Errors as of ``fit_one`` (``fit_free`` or ``fit_any``), where no stretch is
-    followed either.
+    Parameters
+    ----------
+    angle
+        As ``measurement.angle.to_angle`` returns it.
+    known
+        The models to fit.
+    fit_one
+        ``fit_free`` or ``fit_any``.
+    alone
+        Whether it has no others beside it, and is read once more by who asks.
+
+    Raises
+    ------
+    InputError
+        As of ``fit_one``, where no stretch is followed either.
     """
     try:
         return angle, fit_one(angle, known)

@@ -90,7 +90,17 @@ def _beside(known: Uncertainty, fit: Fit, names: Sequence[str]) -> dict[str, Any
 
 
 def largest_angles(fit: Fit, swings: Sequence[Swing], courses: Courses | None = None) -> list[float]:
-    """The largest angle (rad) of each fitted swing's motion, about where it hangs; with ``courses`` that of the fit and these together."""
+    """The largest angle (rad) of each fitted swing's motion, about where it hangs.
+
+    Parameters
+    ----------
+    fit
+        Of the swings together.
+    swings
+        Times (s) and readings.
+    courses
+        What free courses do beside the fit: the angles are then those of both together.
+    """
     begins = courses.begins if courses else [0.0] * len(fit.swings)
     found = [
         float(np.abs(simulate(one.model.motion, times, one.release_angle, one.release_velocity)).max())

@@ -102,10 +102,20 @@ def gravity(
     amplitude: float = np.nan,
     period: float = np.nan,
 ) -> Gravity:
-    """The ``Gravity`` of a bob on a string without mass, by the natural frequency (rad/s) and the length (m) from the pivot to the bob's middle.
+    """The ``Gravity`` of a bob on a string without mass. Errors of the inputs count as independent.
 
-    The diameter (m) of a ball adds its inertia, the bob's density (kg/m³) the air's buoyancy and inertia; with amplitude (rad) and period (s) the
-    budget has the correction for the amplitude. Errors of the inputs count as independent.
+    Parameters
+    ----------
+    natural_frequency
+        Of small undamped swings, in rad/s.
+    length
+        From the pivot to the bob's middle, in m.
+    bob_diameter
+        Of a ball, in m: adds its inertia.
+    bob_density
+        In kg/m³: adds the air's buoyancy and inertia.
+    amplitude, period
+        In rad and s: the budget then has the correction for the amplitude.
     """
     inputs = {"length": length, "natural frequency": natural_frequency}
     if bob_diameter:
@@ -200,8 +210,21 @@ def with_gravity(
 ) -> tuple[pd.DataFrame, dict[str, Gravity]]:
     """A table of ``pendulums`` with g where a length is stated, and the ``Gravity`` of each by recording.
 
-    Nothing is added for a spring, for a length in pixels, and where the period at no amplitude is known. ``stated`` are the cells of the
-    sample sheet, by recording; InputError for one that is no length.
+    Nothing is added for a spring, for a length in pixels, and where the period at no amplitude is known.
+
+    Parameters
+    ----------
+    table
+        A table of ``studies.pendulums``.
+    stated
+        The cells of the sample sheet, by recording.
+    restoring
+        ``sine`` or ``linear``.
+
+    Raises
+    ------
+    InputError
+        For a cell that is no length.
     """
     rows, found = [], {}
     for row in table.to_dict("records"):

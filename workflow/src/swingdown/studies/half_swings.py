@@ -64,10 +64,23 @@ def half_swings_of(data: xr.Dataset, restoring: str = "sine") -> HalfSwings:
 def of_samples(
     name: str, times: Floats, angle: Floats, scaled: bool = True, quiet: Floats | None = None
 ) -> HalfSwings:
-    """The half-swings of a sampled swing: times (s) and angles (rad, where ``scaled``), of shape (sample,).
+    """The half-swings of a sampled swing.
 
-    ``quiet`` is the same swing without its noise, by which its passages and sides are told; None where it has little. InputError, with the
-    recording's ``name``, for fewer than four half-swings, and for too few samples in each.
+    Parameters
+    ----------
+    name
+        The recording, which an error names.
+    times, angle
+        In s and rad, both of shape (sample,).
+    scaled
+        Whether the angle's scale is known.
+    quiet
+        The same swing without its noise, by which its passages and sides are told; None where it has little.
+
+    Raises
+    ------
+    InputError
+        If there are fewer than four half-swings, or too few samples in each.
     """
     quiet = angle if quiet is None else quiet
     rough = _passages(times, quiet)

@@ -17,17 +17,40 @@ def proportional(angle: Floats, snr: float, normals: Floats) -> Floats:
     """The angle (rad) with noise in proportion to its size, ``y + |y|/snr * normal`` (Eq. 5).
 
     There is none at a zero crossing, which no real sensor achieves: it is the paper's choice.
+
+    Parameters
+    ----------
+    angle
+        In rad, of any shape.
+    snr
+        Signal over noise.
+    normals
+        Standard normal deviates, of the angle's shape.
     """
     return angle + np.abs(angle) / snr * normals
 
 
 def additive(angle: Floats, snr: float, normals: Floats) -> Floats:
-    """The angle (rad) with noise of one size throughout: its standard deviation is the RMS over ``snr``."""
+    """The angle (rad) with noise of one size throughout: its standard deviation is the RMS over ``snr``.
+
+    Parameters
+    ----------
+    angle, snr, normals
+        As of ``proportional``.
+    """
     return angle + _rms(angle) / snr * normals
 
 
 def quantisation(angle: Floats, snr: float, normals: Floats) -> Floats:
-    """The angle (rad) rounded to steps whose standard deviation (step/sqrt 12) is the RMS over ``snr``: nothing is drawn."""
+    """The angle (rad) rounded to steps whose standard deviation (step/sqrt 12) is the RMS over ``snr``.
+
+    Parameters
+    ----------
+    angle, snr
+        As of ``proportional``.
+    normals
+        Not used; all kinds of noise are called alike. Realisations of a series are the same.
+    """
     step = np.sqrt(12) * _rms(angle) / snr
     return step * np.round(angle / step)
 
@@ -63,9 +86,18 @@ def add_noise(kind: str, angle: ArrayLike, snr: float, normals: Floats) -> Float
 
 
 def numpy_stream(seed: int, label: str, index: int) -> np.random.Generator:
-    """A numpy Generator that depends on the study's seed, the simulated model and the realisation alone.
+    """A numpy Generator that depends on its arguments alone.
 
     So a realisation is the same whatever other models are simulated beside it, in whatever order or process.
+
+    Parameters
+    ----------
+    seed
+        The study's.
+    label
+        Of the simulated model.
+    index
+        Of the realisation.
     """
     return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(crc32(label.encode()), index)))
 

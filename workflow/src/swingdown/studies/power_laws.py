@@ -80,6 +80,13 @@ def settled(
     Where points scatter farther than they state, each y gets a further error in proportion to ``share`` so that chi² is its
     expectation (Paule and Mandel 1982): what differs between recordings, the best known has as well as the others. The points
     do not tell whether their errors are all too small alike instead (Birge): the covariance is the larger one.
+
+    Parameters
+    ----------
+    x, y, u_x, u_y
+        Points and their standard errors, of shape (point,).
+    share
+        Of each y, the unit of the further error, of shape (point,).
     """
     line = fit_line(x, y, u_x, u_y)
     scatter = Scatter(line.chi2, line.dof)

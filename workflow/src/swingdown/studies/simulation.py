@@ -101,8 +101,20 @@ def simulation_norms(
     """A Dataset (simulated, fitted, realization, parameter) of the distance of each fitted model from one simulated truth.
 
     ``norm`` (degrees) is the RMS of fit minus noise-free truth, ``residual_norm`` that of noisy data minus fit. Plain names are of
-    the paper's Nelder-Mead, those with the prefix ``least_squares_`` of trajectory least squares. ``simulated`` is one of the models of
-    ``realizations``, ``fitted`` are labels, ``own`` is the settings' key ``effects``.
+    the paper's Nelder-Mead, those with the prefix ``least_squares_`` of trajectory least squares.
+
+    Parameters
+    ----------
+    realizations
+        As the function of that name returns it.
+    simulated
+        One of its models.
+    fitted
+        Labels of the models to fit.
+    start
+        ``rest`` or ``free``.
+    own
+        The settings' key ``effects``.
     """
     if simulated not in realizations["simulated"].values:
         raise InputError(

@@ -29,8 +29,21 @@ def combine(sweep, paths, output):
     """The path of the netCDF written: every draw of every cell, and the cells' probabilities (``summary``).
 
     Dimensions are the axes' names, ``realization``, and what the variables are listed by (``fitted``). ``noise_key`` has the
-    seeds, ``reason`` why a cell could not be made. Of a sweep in a Zarr store, ``row`` is where each draw is in it (``store``). InputError
-    with the cell whose draw is missing in the chunks, or there twice.
+    seeds, ``reason`` why a cell could not be made. Of a sweep in a Zarr store, ``row`` is where each draw is in it (``store``).
+
+    Parameters
+    ----------
+    sweep
+        The ``table.Sweep``.
+    paths
+        The chunks.
+    output
+        The path to write.
+
+    Raises
+    ------
+    InputError
+        With the cell whose draw is missing or there twice.
     """
     output = Path(output)
     keys = (cell_key(sweep.computes, sweep.cell(values)) for values in sweep)

@@ -57,11 +57,20 @@ def fits(settings):
 
 
 def results(settings, first, count):
-    """The ``VARIABLES`` of one cell's campaigns from index ``first`` on, arrays (count,) by name, and a reason.
+    """The ``VARIABLES`` of one cell's campaigns, arrays (count,) by name, and a reason.
 
-    All have the same swings, each its own noise. ``outcome`` and ``answer`` count in ``OUTCOMES`` and ``ANSWERS``. An outcome is ``not_made``
-    where no such swing can be computed, and ``failed`` where discovery cannot search the campaign; the reason is that of the first of them,
-    else empty.
+    Parameters
+    ----------
+    settings
+        Those of the cell.
+    first, count
+        The campaigns: from index ``first`` on, ``count`` of them. All have the same swings, each its own noise.
+
+    Returns
+    -------
+    tuple
+        ``outcome`` and ``answer`` count in ``OUTCOMES`` and ``ANSWERS``. An outcome is ``not_made`` where no such swing can be computed,
+        and ``failed`` where discovery cannot search the campaign; the reason is that of the first of them, else empty.
     """
     try:
         hidden = make(settings)

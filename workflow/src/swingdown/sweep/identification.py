@@ -68,12 +68,24 @@ def fits(settings):
 
 
 def results(settings, first, count):
-    """The ``VARIABLES`` of one cell's draws from index ``first`` on, arrays (count, fitted) by name, and a reason.
+    """The ``VARIABLES`` of one cell's draws, arrays (count, fitted) by name, and a reason.
 
     A model's fits start where it comes closest to the noise-free swing (``noise_free``), and end with a step that promises less than a
     hundredth of a standard error. A fit that ends above a smaller model inside it, or that is not stationary, is made again from the
-    optima of those. Where nothing is drawn (``quantisation``) all draws are the first one. What cannot be fitted is NaN and not converged.
-    Where no noise-free swing can be computed nothing is fitted, and the reason says why; else it is empty.
+    optima of those. Where nothing is drawn (``quantisation``) all draws are the first one.
+
+    Parameters
+    ----------
+    settings
+        Those of the cell.
+    first, count
+        The draws: from index ``first`` on, ``count`` of them.
+
+    Returns
+    -------
+    tuple
+        What cannot be fitted is NaN and not converged. Where no noise-free swing can be computed nothing is fitted, and the reason says
+        why; else it is empty.
     """
     labels = settings["simulation.fitted"]
     found = {name: np.full((count, len(labels)), np.nan) for name in ("norm", "residual_norm", "bic")}

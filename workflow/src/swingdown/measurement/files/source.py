@@ -177,7 +177,22 @@ def _copied(address: str) -> BinaryIO:
 
 
 def check_sha256(source: BinaryIO, expected: str, name: str, place: str) -> str:
-    """The SHA-256 of a file as ``opened`` gives it; InputError if another one is ``expected`` ("": any will do)."""
+    """The SHA-256 of a file.
+
+    Parameters
+    ----------
+    source
+        As ``opened`` gives it.
+    expected
+        What it has to be; empty: anything.
+    name, place
+        What an error names.
+
+    Raises
+    ------
+    InputError
+        If it is another one.
+    """
     state = hashlib.sha256()
     while piece := source.read(_PIECE):
         state.update(piece)

@@ -61,10 +61,27 @@ def points_in(
     name: str = "",
     in_rad: float = 0.0,
 ) -> Points | None:
-    """The ``Points`` of a series of times (s; or ``counted`` swings) and readings, of shape (point,); None where they are samples of a swing.
+    """The ``Points`` of a series of times and readings; None where they are samples of a swing.
 
-    ``stated`` is one of ``KINDS``, or ""; ``name`` that of the readings' column; ``in_rad`` what their unit is in rad, 0 for one that is
-    none of angles. InputError if their kind is not stated and cannot be decided.
+    Parameters
+    ----------
+    times
+        In s, or counts of swings (``counted``), of shape (point,).
+    readings
+        Of the same shape.
+    place
+        What an error names as its place.
+    stated
+        One of ``KINDS``, or "".
+    name
+        That of the readings' column.
+    in_rad
+        What the readings' unit is in rad; 0 for a unit that is none of angles.
+
+    Raises
+    ------
+    InputError
+        If their kind is not stated and cannot be decided.
     """
     if times.size < FEWEST:
         if stated and stated != SWING:

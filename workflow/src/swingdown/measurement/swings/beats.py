@@ -16,10 +16,17 @@ ROUNDS = 5  # each line is found beside the other; they settle
 
 
 def check_one_motion(times: Floats, signal: Floats, place: str) -> None:
-    """None for one swing (``times`` in s, rising); InputError for two of like strength that beat.
+    """None for one swing; InputError for two of like strength that beat.
 
     What swings by itself never grows. The sum of two motions that differ in frequency shrinks to the difference of their sizes and grows to
     the sum of them; of the other of two pendulums, which was at rest, it grows at first.
+
+    Parameters
+    ----------
+    times, signal
+        In s (rising) and any unit, both of shape (sample,).
+    place
+        What an error names as its place.
     """
     begins, sizes = _envelope(times, signal)
     if len(sizes) < FEWEST:

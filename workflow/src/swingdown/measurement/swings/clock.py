@@ -35,11 +35,23 @@ class Ordered(NamedTuple):
 
 
 def in_order(times: Floats, signal: Floats, place: str) -> Ordered:
-    """The samples of a recording in the order of their times (s), which stand here, as the signal does, as in the file.
+    """The samples of a recording in the order of their times.
 
-    Rows out of place are sorted, rows that stand twice are left out. Stamps that are those of an even clock, rounded, give way to that
-    clock; so do stamps that scatter about one, where the signal is a smoother function of the even times. The clock counts once
-    (``parts``). InputError if no time passes, or the times run back and forth, as those of no clock do.
+    Rows out of place are sorted, rows that stand twice are left out. Stamps that are those of an even clock, rounded, give way to
+    that clock; so do stamps that scatter about one, where the signal is a smoother function of the even times. The clock counts
+    once (``parts``).
+
+    Parameters
+    ----------
+    times, signal
+        In s and any unit, as they stand in the file, both of shape (row,).
+    place
+        What an error names as its place.
+
+    Raises
+    ------
+    InputError
+        If no time passes, or the times run back and forth, as those of no clock do.
     """
     going, stopped = _going(times)
     cut = _cut(times[:going])

@@ -53,10 +53,24 @@ def find_windows(
 ) -> tuple[list[Window], list[float]]:
     """The ``Window``s of a recording in order, and when (s) something pushed the pendulum within one of them.
 
-    There is one for each release, and one of nan where nobody touched the pendulum or the recording is too short. A hand parts two of them
-    where it stays for a period, or where the pendulum swings higher after it. ``times`` (s) are evenly spaced, ``scale`` is rad per unit of
-    ``signal``, 0 where that is not known, and ``rate`` True of an angular rate. Between the times (s) that are ``hidden`` the signal is not
-    known: of hands nothing is told beside it.
+    Parameters
+    ----------
+    times
+        In s, evenly spaced, of shape (sample,).
+    signal
+        Of the same shape.
+    scale
+        Rad per unit of ``signal``, 0 where that is not known.
+    rate
+        Whether it is an angular rate.
+    hidden
+        From when to when (s) the signal is not known; of hands nothing is told beside it.
+
+    Returns
+    -------
+    tuple
+        A window for each release, and one of nan where nobody touched the pendulum or the recording is too short. A hand parts two of
+        them where it stays for a period, or where the pendulum swings higher after it.
     """
     whole = Window(NAN, NAN, NAN, False)
     free, pushed = [_Free(NAN, NAN)], []
