@@ -70,11 +70,12 @@ def test_dry_friction_takes_the_same_from_each_swing_and_ends_what_it_holds():
 def test_a_torque_that_winds_up_is_that_of_a_swing_that_goes_on():
     """The half-swing after a release differs: the spring of the contact begins unwound."""
     wound = model("presliding", "linear", presliding_friction=0.2, presliding_angle=0.2)
-    _, angle = turns(wound, 0.7)
+    times, angle = turns(wound, 0.7)
     first, second = np.log(0.7 / -angle[0]), np.log(-angle[0] / angle[1])
     assert first != pytest.approx(second, rel=0.05)
-    told = course_of(wound, 0.3, 0.8).at(np.sqrt(np.array([-angle[0] * angle[1]])))[0]
-    assert told == pytest.approx(second, rel=1e-3)
+    loss, period = course_of(wound, 0.3, 0.8, False).at(np.sqrt(np.array([-angle[0] * angle[1]])))
+    assert loss == pytest.approx(second, rel=1e-3)
+    assert period == pytest.approx(2 * (times[1] - times[0]), rel=1e-3)
 
 
 def test_a_model_that_never_comes_back_has_no_curve():

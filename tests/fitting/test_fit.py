@@ -324,6 +324,21 @@ def test_convergence_is_told_honestly():
     assert not one.converged and "not stationary after 1" in one.message
 
 
+def test_what_grows_over_the_record_grows_half_as_much_over_its_half():
+    values = {"natural_frequency": 7.25, "viscous_ratio": 0.01, "damping_drift": 0.02}
+    angle = simulate(Model("viscous+damping_drift", values), TIMES[:401], 0.4)
+    half = fit_trajectory("viscous+damping_drift", TIMES[:201], angle[:201])
+    assert half.model.values["damping_drift"] == pytest.approx(0.01, rel=1e-5)
+
+
+def test_a_simplex_is_started_again_until_that_gains_nothing():
+    angle, _ = CASES["seven"].noisy(14)
+    two, three = (
+        fit_nelder_mead("viscous+presliding", TIMES[:200], angle[:200], restarts=count) for count in (2, 3)
+    )
+    assert not two.converged and three.converged and three.rss < two.rss
+
+
 @pytest.mark.parametrize("friction", [{"load_friction": 0.012}, {"constant_friction": 0.6}], ids=str)
 @pytest.mark.parametrize("exponent", [0.2, 0.5])
 def test_drag_by_a_root_of_the_speed_until_friction_holds(exponent, friction):
