@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import yaml
 
-from swingdown.discovery.judge.findings import _doubt
+from swingdown.discovery.guard import Doubt
 from swingdown.discovery.see.losses import _SAID
 from swingdown.discovery.tell.sentence import _described, _misspecified
 from swingdown.errors import InputError
@@ -21,10 +21,7 @@ from swingdown.pendulum.model import model_words
 
 OTHERS = [code for code in languages() if code != "en"]
 PACKAGE = Path(language.__wrapped__.__code__.co_filename).parent
-DOUBTS = (
-    "its probability is only 0.94",
-    *(_doubt(1.0, *shares) for shares in ((0.68, 0.3), (0.1, 0.7), (0.1, np.inf))),
-)
+DOUBTS = [one.format(probability=0.94, share=0.68, parameter="vibration frequency") for one in Doubt]
 ENGLISH_WORDS = {"the", "it", "times", "noise", "than", "not", "be"}
 FIELD = re.compile(r"\{(\w+)\}")
 

@@ -8,6 +8,7 @@ import pytest
 
 from swingdown.discovery.data.campaign import Swing, campaign
 from swingdown.discovery.data.noise import Noise
+from swingdown.discovery.guard import Doubt, doubt
 from swingdown.discovery.judge import findings
 from swingdown.discovery.judge.confirm import predict
 from swingdown.discovery.judge.findings import Finding, judged, told_of
@@ -248,9 +249,7 @@ def _judged(*wanted):
         shares = found[best.key]
         assert best.key == max(found, key=len) or most.key == max(found, key=len)
         return {
-            name: Finding(
-                1.0, share=share, held_out=held, doubt="" if share <= 0.2 and held <= 0.5 else "too little"
-            )
+            name: Finding(1.0, share=share, held_out=held, doubt=doubt(1.0, share, held))
             for name, (share, held) in shares.items()
         }
 
@@ -340,7 +339,7 @@ def test_a_drag_of_which_more_laws_are_possible_than_a_tie_has_is_told_as_one(mo
 
 
 @pytest.mark.parametrize(
-    ("before", "told"), [("too little", {"constant_coulomb"}), ("", {"constant_coulomb", "magnet"})]
+    ("before", "told"), [(Doubt.REMAINS, {"constant_coulomb"}), (None, {"constant_coulomb", "magnet"})]
 )
 def test_beside_a_damping_that_is_sure_without_a_name_nothing_is_surer_than_it_was(monkeypatch, before, told):
     """The model that names the friction is less probable than the one that does not: it makes no other effect surer."""

@@ -27,11 +27,6 @@ def gap(fit: Fit, noise: Noise) -> float:
     return float(fit.rms / noise.deviation)
 
 
-def better(before: Fit, after: Fit, noise: Noise) -> float:
-    """The fall of the held-out sum of squares in units of the noise at the pendulum's frequencies; above 0 is better."""
-    return float((before.rss - after.rss) / noise.slow_variance)
-
-
 def per_swing(fit: Fit, noise: Noise) -> Floats:
     """The residual's RMS of each swing in units of the noise."""
     return np.array([swing.rms for swing in fit.swings]) / noise.deviation

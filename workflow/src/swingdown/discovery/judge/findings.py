@@ -14,7 +14,7 @@ from ...engine.trajectory import TrajectoryError
 from ...pendulum.effect import NATURAL_FREQUENCY, VARIABLES, Contained
 from ...pendulum.formula import evaluate
 from ..data.noise import Noise
-from ..guard import CLEAR, HELD_OUT, POSSIBLE, PROBABLE, SHARE, TIES
+from ..guard import CLEAR, POSSIBLE, PROBABLE, TIES, Doubt, doubt, over_bounds
 from ..move.laws import damping
 from ..see import friction
 from ..see.envelope import Seen
@@ -28,7 +28,7 @@ _ANGLES = 101  # at which two torques are compared
 class Finding:
     """What is to be said of an effect that the most probable structure has: the ``probability`` that it or one of its ``ties`` is there,
     the ``share`` of the discrepancy that is left with it, that of the ``held_out`` swings' excess over the noise, what they leave
-    ``without`` it (in units of the noise), NaN where that cannot be computed, the ``doubt``, why it is not told, or empty, and
+    ``without`` it (in units of the noise), NaN where that cannot be computed, the ``doubt`` because of which it is not told, and
     ``law_open``, True of a damping whose law may be one that the catalogue has not, ``of_amplitudes``, True where the shares are those of what
     amplitudes lose from swing to swing, and ``any_unit``, True of a damping that amplitudes show: they lose alike in any unit."""
 
@@ -37,7 +37,7 @@ class Finding:
     share: float = np.nan
     held_out: float = np.nan
     without: float = np.nan
-    doubt: str = ""
+    doubt: Doubt | None = None
     law_open: bool = False
     of_amplitudes: bool = False
     any_unit: bool = False
@@ -45,7 +45,14 @@ class Finding:
     @property
     def sure(self) -> bool:
         """True where the effect, or one of those it ties with, is told."""
-        return not self.doubt
+        return self.doubt is None
+
+    @property
+    def why(self) -> str:
+        """Its doubt in words; empty where there is none."""
+        return (
+            self.doubt.format(probability=self.probability, share=min(self.share, 9.99)) if self.doubt else ""
+        )
 
     @property
     def idle(self) -> bool:
@@ -92,7 +99,7 @@ def told_of(pool: Pool, best: Structure) -> tuple[Structure, dict[str, Finding]]
     while little := {
         name: over
         for name, one in found.items()
-        if (over := _over_bounds((one.share, one.held_out))) > 1 and not one.sure
+        if (over := over_bounds((one.share, one.held_out))) > 1 and not one.sure
     }:
         fewer = _fewer(pool, here, sorted(little, key=lambda name: -little[name]))
         if fewer is None:
@@ -132,7 +139,7 @@ def _shown(pool: Pool, kind: Sequence[str]) -> tuple[Seen | None, list[str]]:
     one = pool.envelope(laws)
     # by the swings or by the envelope, unless the latter makes it improbable
     sure = one.chance >= POSSIBLE and max(one.chance, pool.of(like)) >= PROBABLE
-    sure = sure and _over_bounds((one.share, one.held_out)) <= 1
+    sure = sure and over_bounds((one.share, one.held_out)) <= 1
     return one if sure else None, like
 
 
@@ -184,10 +191,10 @@ def _as_one(
     chance = max(pool.of_friction() if rubs else pool.of(kind), shown.chance if shown else 0.0)
     seen = shown is not None or (rubs and pool.sees_friction() >= PROBABLE)
     one = _asked(pool, best, name, names, Finding(chance, ties, law_open=open_))
-    if not (seen and one.doubt):
+    if one.sure or not seen:
         return one
     # what is seen without a name is there, however little its named law explains
-    one = replace(one, doubt="", law_open=True)
+    one = replace(one, doubt=None, law_open=True)
     if shown is None:
         return one
     return replace(one, share=shown.share, held_out=shown.held_out, without=np.nan, of_amplitudes=True)
@@ -197,37 +204,16 @@ def _asked(pool: Pool, best: Structure, name: str, names: Sequence[str], one: Fi
     """The finding with the shares that are left with these effects, and what speaks against it."""
     near = pool.lacking(best, names)
     if not near:
-        return replace(one, doubt="no model without it can be fitted")
+        return replace(one, doubt=Doubt.NO_MODEL)
     # what the base has may be improbable beside a discrepancy, and does more of the work than it does
     without = min(near, key=lambda other: other.left(pool.noise))
     share, held, rms = _whole(pool, best, without)
     damps = best.fit.model.catalogue.damps(name)
-    if _over_bounds((share, held)) > 1 and damps:
-        share, held = min((share, held), _of_friction(pool, best, without), key=_over_bounds)
-    doubt = _doubt(one.probability, share, held)
-    law_open = one.law_open or (not doubt and damps and best.loses_more)
-    return replace(one, share=share, held_out=held, without=rms, doubt=doubt, law_open=law_open)
-
-
-def _over_bounds(shares: tuple[float, float]) -> float:
-    """What the larger of (share, the same of held-out swings) is, each of the most that may be left: above one an effect leaves too much to
-    be the thing that is missing."""
-    return max(shares[0] / SHARE, shares[1] / HELD_OUT)
-
-
-def _doubt(probability: float, share: float, held_out: float) -> str:
-    """Why an effect is not told, or empty."""
-    if probability < PROBABLE:
-        return f"its probability is only {probability:.2f}"
-    if np.isinf(share):
-        return "without it nothing is missing"
-    if share > SHARE:
-        return f"{min(share, 9.99):.0%} of what is missing remains with it"
-    if np.isinf(held_out):
-        return "swings that were held out leave too little without it to confirm it"
-    if held_out > HELD_OUT:
-        return "swings that were held out do not confirm it"
-    return ""
+    if over_bounds((share, held)) > 1 and damps:
+        share, held = min((share, held), _of_friction(pool, best, without), key=over_bounds)
+    why = doubt(one.probability, share, held)
+    law_open = one.law_open or (why is None and damps and best.loses_more)
+    return replace(one, share=share, held_out=held, without=rms, doubt=why, law_open=law_open)
 
 
 def _at_its_values(pool: Pool, best: Structure, name: str) -> set[str]:
@@ -255,7 +241,7 @@ def _simpler(pool: Pool, best: Structure, name: str, alike: Sequence[Structure])
         for one in inside
         if _with(best.key, name, one) in pool.known
     ]
-    found = [one for one, there in known if _over_bounds(_whole(pool, best, there)[:2]) > 1]
+    found = [one for one, there in known if over_bounds(_whole(pool, best, there)[:2]) > 1]
     return list(dict.fromkeys([*_nearly(alike, name), *found]))
 
 

@@ -282,4 +282,4 @@ def _finding(one: Finding) -> dict[str, Any]:
         key: finite_or_none(value) if isinstance(value, float) else value
         for key, value in asdict(one).items()
     }
-    return told | {"ties": list(one.ties), "idle": one.idle}
+    return told | {"ties": list(one.ties), "doubt": one.why, "idle": one.idle}
