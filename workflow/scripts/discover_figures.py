@@ -10,14 +10,14 @@ from swingdown.plots.answer import shown_in, swings_with_fit
 from swingdown.plots.remainder import remainder
 from swingdown.plots.style import in_language
 from swingdown.sealed import read_csv, read_json
-from swingdown.studies.left_out import NO_VERDICT
+from swingdown.studies.status import Status
 from swingdown.studies.words import short
 
 
 def figures(verdict, rounds, outputs, spoken):
     """Each of the outputs written, the first and the last of the campaign's rounds side by side."""
     found = read_json(verdict)
-    if found["status"] == NO_VERDICT:
+    if found["status"] == Status.NO_VERDICT:
         for output in outputs:
             save(in_language(discovery.no_verdict(found["campaign"]), spoken), output)
         return

@@ -4,6 +4,7 @@ from swingdown import console
 from swingdown.discovery.tell.verdict import no_verdict, verdict
 from swingdown.pendulum.catalogue import catalogue
 from swingdown.sealed import read_json, write_json
+from swingdown.studies.status import Status
 
 with console.job(snakemake.log[0]) as say:
     files, known = snakemake.input, catalogue(snakemake.params.effects)
@@ -13,7 +14,8 @@ with console.job(snakemake.log[0]) as say:
     else:
         found = verdict(rounds, known.of(rounds[0].get("reading", "angle")), read_json(files.follows))
         doubt = rounds[0].get("doubt")
-        if doubt and found["status"] == "unknown":  # then it is as little a pendulum's as damping alone says
+        # what is unknown beside it is as little a pendulum's as damping alone says
+        if doubt and found["status"] == Status.UNKNOWN:
             out = [{"recording": name, "problem": doubt["problem"]} for name in found["recordings"]]
             members = {"recordings": [], "left_out": [*found["left_out"], *out]}
             found = no_verdict({"campaign": found["campaign"], "no_verdict": doubt} | members)

@@ -5,12 +5,12 @@ from swingdown.measurement.refused import used
 from swingdown.pendulum.catalogue import catalogue
 from swingdown.sealed import read_csv, read_json, write_csv
 from swingdown.studies.gravity import with_gravity
-from swingdown.studies.left_out import NO_VERDICT
 from swingdown.studies.pendulums import pendulums
+from swingdown.studies.status import Status
 
 with console.job(snakemake.log[0]) as say:
     files, params = snakemake.input, snakemake.params
-    verdicts = [found for path in files.verdicts if (found := read_json(path))["status"] != NO_VERDICT]
+    verdicts = [found for path in files.verdicts if (found := read_json(path))["status"] != Status.NO_VERDICT]
     norms, known = dataset.read(files.norms), catalogue(params.effects)
     table = pendulums(norms, used(list(files.joint))[0], verdicts, read_csv(files.left_out), known)
     table, _ = with_gravity(table, params.stated, params.restoring)

@@ -6,7 +6,8 @@ from swingdown import console, dataset
 from swingdown.plots.answer import shown_in
 from swingdown.report import contents, page, sweeps
 from swingdown.sealed import read_csv, read_json
-from swingdown.studies.left_out import NO_VERDICT, OF_ALL
+from swingdown.studies.left_out import OF_ALL
+from swingdown.studies.status import Status
 
 
 def report(
@@ -24,7 +25,7 @@ def report(
     output,
 ):
     made = contents.read_tables(tables)
-    found = [one for path in verdicts if (one := read_json(path))["status"] != NO_VERDICT]
+    found = [one for path in verdicts if (one := read_json(path))["status"] != Status.NO_VERDICT]
     searched = {one["campaign"] for one in found}
     fitted = [dataset.read(path) for path in fits if Path(path).parents[1].name in searched]
     material = contents.Material(

@@ -12,6 +12,7 @@ from swingdown.discovery.data.noise import Noise
 from swingdown.discovery.guard import GUARD
 from swingdown.pendulum.catalogue import SHIPPED, Catalogue
 from swingdown.sealed import read_csv
+from swingdown.studies.status import NAMING, REMAINING, Status
 
 from .trial import CORRELATION, Design
 
@@ -38,13 +39,13 @@ def row(
     verdict, hidden = found["verdict"], tuple(truth["hidden"])
     told = [one for one in verdict["effects"] if catalogue.has_name(one["name"])]
     sets = {one["name"]: {one["name"], *one["tied_with"]} for one in told}
-    exact = sorted(sets) == sorted(hidden) and verdict["status"] in ("named", "ambiguous")
+    exact = sorted(sets) == sorted(hidden) and verdict["status"] in NAMING - REMAINING
     matched = len(sets) == len(hidden) and all(
         any(one in members for members in sets.values()) for one in hidden
     )
     inside = (
         matched
-        and verdict["status"] in ("named", "ambiguous")
+        and verdict["status"] in NAMING - REMAINING
         and all(len(members) <= _TIE_SET for members in sets.values())
     )
     covered, intervals = _coverage(_as_told(truth, found, catalogue), verdict) if exact else (0, 0)
@@ -57,9 +58,9 @@ def row(
     ]
     separation = _excess(truth, found, rivals)
     right = {
-        "single": inside, "pair": inside, "null": verdict["status"] == "consistent", "own": verdict["status"] == "consistent",
-        "calibrated": verdict["status"] == "consistent",
-        "removed": not told and verdict["status"] == "unknown", "foreign": not told and verdict["status"] == "unknown",
+        "single": inside, "pair": inside, "null": verdict["status"] == Status.CONSISTENT, "own": verdict["status"] == Status.CONSISTENT,
+        "calibrated": verdict["status"] == Status.CONSISTENT,
+        "removed": not told and verdict["status"] == Status.UNKNOWN, "foreign": not told and verdict["status"] == Status.UNKNOWN,
     }  # fmt: skip
     return {
         "campaign": name,
@@ -75,7 +76,7 @@ def row(
         "exact": exact,
         "inside": inside,
         "wrong": any(not _there(one, hidden, catalogue) for one in told),
-        "alarm": verdict["status"] != "consistent",
+        "alarm": verdict["status"] != Status.CONSISTENT,
         "right": right[truth["kind"]],
         "holdout_sigma": verdict["gap"]["holdout"][-1] * verdict["noise_rms_rad"] / truth["sigma"],
         "gap_before": verdict["gap"]["holdout"][0],
@@ -214,7 +215,7 @@ def confusion(scores: pd.DataFrame, catalogue: Catalogue = SHIPPED) -> pd.DataFr
     single = scores[scores["kind"] == "single"]
 
     def told(one):
-        if one["status"] in ("unknown", "consistent"):
+        if one["status"] in (Status.UNKNOWN, Status.CONSISTENT):
             return one["status"]
         return one["hidden"] if one["inside"] else one["named"].split("+")[0]
 

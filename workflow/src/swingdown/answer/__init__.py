@@ -45,6 +45,7 @@ from ..studies.experiment import fit_campaign, read_alike, with_drive
 from ..studies.norms import combine_recordings
 from ..studies.pendulums import NOT_DYING, SEARCH, joined, pendulums
 from ..studies.quantities import Quantity
+from ..studies.status import Status
 from ..studies.unscaled import without_scale
 from .given import Said, asked, swings
 from .options import TO_FIT
@@ -340,7 +341,7 @@ def explained(
         states = concluded(discover(whole, start, rounds), whole)
         found = verdict([summary(state, whole) for state in states], catalogue(effects).of(whole.reading))
     # then damping alone has to follow it, as it has in ``fit``
-    if found["status"] == "unknown" and not found["unit_doubt"]:
+    if found["status"] == Status.UNKNOWN and not found["unit_doubt"]:
         of_swings(given, fitted, effects, restoring)
     answer = first.with_verdict(found, _shown(states[-1], whole))
     if answer.row.get("model_of") != SEARCH:  # the quantities are those of damping, too

@@ -8,6 +8,7 @@ import numpy as np
 from ..arrays import Floats
 from ..pendulum.catalogue import SHIPPED, Catalogue
 from ..pendulum.model import Model
+from ..studies.status import Status
 
 Fitted = tuple[Model, Floats]  # a model with its values, and the covariance of its parameters
 
@@ -17,7 +18,7 @@ def of_verdict(
 ) -> Fitted | None:
     """The model of the motion that a verdict concludes with, and its covariance; None where it has none, or a torque without a name."""
     concluded = found.get("conclusion")
-    if not concluded or found["status"] == "unknown":
+    if not concluded or found["status"] == Status.UNKNOWN:
         return None
     names = [name for name in concluded["model"].split("+") if name not in concluded["left_out"]]
     if any(name not in catalogue for name in names):

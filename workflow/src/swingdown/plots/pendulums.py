@@ -4,15 +4,16 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from ..studies.status import Status
 from . import style
 
 # Status of the verdict: marker, colour and words. Colours that any colour vision tells apart, and never the colour alone.
 LOOKS = {
-    "consistent": ("o", "#009E73", "nothing missing"),
-    "named": ("D", "#0072B2", "named"),
-    "ambiguous": ("s", "#56B4E9", "tied"),
-    "partial": ("^", "#CC79A7", "named in part"),
-    "unknown": ("X", "#D55E00", "unknown"),
+    Status.CONSISTENT: ("o", "#009E73", "nothing missing"),
+    Status.NAMED: ("D", "#0072B2", "named"),
+    Status.AMBIGUOUS: ("s", "#56B4E9", "tied"),
+    Status.PARTIAL: ("^", "#CC79A7", "named in part"),
+    Status.UNKNOWN: ("X", "#D55E00", "unknown"),
     "": ("o", style.GREY, "not searched"),
 }
 _COLUMNS = (("period_s", "period (s)"), ("quality", "quality Q"), ("decay_time_s", "decay time (s)"))

@@ -9,14 +9,14 @@ import pandas as pd
 from ..console import framed
 from ..measurement.refused import COLUMNS
 from ..sealed import read_csv
+from .status import Status
 
-NO_VERDICT = "no_verdict"  # the status where nothing could be looked for in a campaign
 OF_ALL, OF_SEARCH = "everything", "the search"
 
 
 def explained(verdicts: Iterable[Mapping[str, Any]]) -> list[str]:
     """The campaigns on which there is a verdict."""
-    return [str(one["campaign"]) for one in verdicts if one["status"] != NO_VERDICT]
+    return [str(one["campaign"]) for one in verdicts if one["status"] != Status.NO_VERDICT]
 
 
 def left_out(
@@ -39,7 +39,7 @@ def left_out(
     for verdict in verdicts:
         where = {"left_out_of": OF_SEARCH, "campaign": verdict["campaign"], "file": ""}
         found += [where | {"label": row["recording"]} | row for row in verdict["left_out"]]
-        if verdict["status"] == NO_VERDICT:
+        if verdict["status"] == Status.NO_VERDICT:
             why = {key: verdict["no_verdict"][key] for key in ("problem", "expected", "mend")}
             found += [where | why | {"recording": name, "label": name} for name in verdict["recordings"]]
     table = pd.DataFrame(found, columns=[*COLUMNS, "left_out_of"])

@@ -26,6 +26,7 @@ from .described import described, described_by, over_laws, probability, reading_
 from .left_over import MUCH, doubt
 from .norms import as_text
 from .quantities import UNITS, Quantity, loss_seen
+from .status import REMAINING, Status
 from .turning_points import NOT_DAMPED, as_told, passages_told, period_of_passages
 from .unscaled import as_seen, at_first_swing, meets
 
@@ -302,7 +303,7 @@ def by_verdict(row: Mapping[str, Any], verdict: Mapping[str, Any]) -> dict[str, 
     of a model of damping; as it is where the search has none, or established nothing: what imitates has no values. Nor has swings that do
     not die away a loss by a model that something is missing from."""
     concluded = verdict.get("conclusion")
-    open_still = ("unknown", "partial") if row.get("model") == NOT_DYING else ("unknown",)
+    open_still = REMAINING if row.get("model") == NOT_DYING else {Status.UNKNOWN}
     if not concluded or verdict["status"] in open_still:
         return dict(row)
     ends = ("", "_u", "_text")

@@ -13,16 +13,17 @@ from ..pendulum.slack import ZERO
 from ..rounding import SURE, probability, value_with_uncertainty
 from .pendulums import NOT_DYING, SEARCH, by_verdict, doubted, quantities_of, residual_of
 from .quantities import Quantity, in_its_middle
+from .status import NAMING, Status
 from .turning_points import NOT_DAMPED
 
-STATUS = {
-    "consistent": "Nothing is missing",
-    "named": "Named",
-    "ambiguous": "Tied",
-    "partial": "Named in part",
-    "unknown": "Unknown",
+STATUS: dict[str, str] = {
+    Status.CONSISTENT: "Nothing is missing",
+    Status.NAMED: "Named",
+    Status.AMBIGUOUS: "Tied",
+    Status.PARTIAL: "Named in part",
+    Status.UNKNOWN: "Unknown",
     "refused": "Not read",
-    "no_verdict": "No verdict",
+    Status.NO_VERDICT: "No verdict",
     "": "Not searched",
 }
 _WORDS = {
@@ -32,7 +33,6 @@ _WORDS = {
     "decay_time": "decay time (1/e)",
     "decay_swings": "decay in swings (1/e)",
 }
-NAMING = ("named", "ambiguous", "partial")  # verdicts that assert an effect
 _WITH = "natural frequency"
 
 
@@ -141,7 +141,7 @@ def headline(
     alone, ending = bool(each) and len(each[-1]) == 1, ""
     if not joined:
         told = _NOT_ESTABLISHED
-    elif doubted(row) or status == "unknown":
+    elif doubted(row) or status == Status.UNKNOWN:
         told = _NEAREST if alone else _NEAREST_TOGETHER
     else:
         told, ending = _STOPS if alone else _STOP_TOGETHER, remains
@@ -173,10 +173,10 @@ def short(row: Mapping[str, Any], verdict: Mapping[str, Any] | None = None) -> s
 
 
 _SYMBOLS = {"period": "T", "quality": "Q"}
-_ENDINGS = {
-    "consistent": "Nothing else is needed.",
-    "ambiguous": "Something else acts; the data leave open what.",
-    "partial": "Something remains that has no name here.",
+_ENDINGS: dict[str, str] = {
+    Status.CONSISTENT: "Nothing else is needed.",
+    Status.AMBIGUOUS: "Something else acts; the data leave open what.",
+    Status.PARTIAL: "Something remains that has no name here.",
 }
 
 

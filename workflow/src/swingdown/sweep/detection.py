@@ -14,6 +14,7 @@ from ..fitting.least_squares import fit_jointly
 from ..pendulum.catalogue import SHIPPED, catalogue
 from ..pendulum.model import Model
 from ..studies.noise import add_noise
+from ..studies.status import Status
 from .draws import noise_key, stream
 from .impossible import IMPOSSIBLE, reason
 
@@ -129,13 +130,13 @@ def _outcome(found, present):
     """The word of ``OUTCOMES`` for a verdict where ``present`` was hidden (None: nothing was)."""
     added = [one["name"] for one in found["effects"]]
     told = {*added, *(name for one in found["effects"] for name in one["tied_with"])}
-    if found["status"] == "consistent":
+    if found["status"] == Status.CONSISTENT:
         return "nothing"
-    if found["status"] == "named" and added == [present]:
+    if found["status"] == Status.NAMED and added == [present]:
         return "named"
     if present in told:
         return "among_others"
-    return "unknown" if found["status"] == "unknown" else "wrong"
+    return "unknown" if found["status"] == Status.UNKNOWN else "wrong"
 
 
 def make(settings):

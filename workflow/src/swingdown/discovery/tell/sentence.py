@@ -12,10 +12,10 @@ from ...pendulum.effect import Effect
 from ...pendulum.model import in_words
 from ...pendulum.slack import ZERO, is_open
 from ...rounding import plus_minus, probability
+from ...studies.status import REMAINING, Status
 
 _OF_ANOTHER_LAW = {"friction": "friction of another law", "drag": "drag of another law"}
 _SMALLER = {"rad": (1e-3, "mrad"), "rad/s": (1e-3, "mrad/s"), "s": (1e-3, "ms")}
-_WHOLE = ("consistent", "named", "ambiguous")  # the status of a verdict beside which nothing is missing
 _SMALL = 0.1  # of a unit that has a smaller one beside it
 
 
@@ -36,7 +36,7 @@ def sentence(found: Mapping[str, Any], catalogue: Catalogue = SHIPPED) -> str:
     """
     fit, holdout, where = found["gap"]["fit"], found["gap"]["holdout"], found["where"]
     # where nothing is missing, a size that ends at nothing is that of an effect that is not there
-    needless = [*found["removed"], *(found["misspecified"] if found["status"] in _WHOLE else ())]
+    needless = [*found["removed"], *(found["misspecified"] if found["status"] not in REMAINING else ())]
     dropped = f" Not needed: {_listed(needless)}." if needless else ""
     end = (
         _frequencies(found)
@@ -44,7 +44,7 @@ def sentence(found: Mapping[str, Any], catalogue: Catalogue = SHIPPED) -> str:
         + _misspecified(found)
         + (" The search stopped: its time was used up." if found["stopped"] else "")
     )
-    if found["status"] == "consistent":
+    if found["status"] == Status.CONSISTENT:
         slack = _slack(found.get("nuisance", {}))
         noise = found.get("noise_rms_rad") or found.get("noise_rms_rad_per_s") or np.nan
         text = (
@@ -69,7 +69,7 @@ def sentence(found: Mapping[str, Any], catalogue: Catalogue = SHIPPED) -> str:
         said.append(f"Held-out residual {holdout[0]:.3g} → {holdout[-1]:.3g} times the noise{_share(found)}.")
     if found.get("failed"):
         said.append(f"What is missing is not known: the search broke off ({found['failed']}).")
-    elif found["status"] in ("partial", "unknown"):
+    elif found["status"] in REMAINING:
         said.append(_remains(found, catalogue))
     return " ".join(said) + dropped + end
 
@@ -150,7 +150,7 @@ def _may_be(stand_ins: Sequence[Mapping[str, Any]], catalogue: Catalogue) -> tup
     """What helps without being asserted, and why it is not: of one effect with its values, of more their names."""
     if len(stand_ins) == 1:
         (one,) = stand_ins
-        return _described(one, catalogue[one["name"]]).rstrip(","), f" ({one['doubt']})"
+        return _described(one, catalogue[one["name"]]).rstrip(","), f" ({in_words(one['doubt'])})"
     names = [in_words(one["name"]) for one in stand_ins]
     return listed(names), ""
 
@@ -175,7 +175,7 @@ def _frequencies(found: Mapping[str, Any]) -> str:
 def _of_parts(found: Mapping[str, Any]) -> str:
     """That the model does not follow the whole recordings as it does the fitted swings, where it does not and its values are reported."""
     concluded = found.get("conclusion")
-    if not concluded or concluded["of_the_whole"] or found["status"] == "unknown":
+    if not concluded or concluded["of_the_whole"] or found["status"] == Status.UNKNOWN:
         return ""
     if (leaves := concluded["whole_leaves"]) is None:
         return (
@@ -186,7 +186,7 @@ def _of_parts(found: Mapping[str, Any]) -> str:
 
 def _misspecified(found: Mapping[str, Any]) -> str:
     names = _listed(found["misspecified"])
-    if not names or found["status"] in _WHOLE:
+    if not names or found["status"] not in REMAINING:
         return ""
     return f" {capital(names)} would be negative if it could: the model does not fit these swings."
 

@@ -1,6 +1,8 @@
 """The verdict of a campaign: status, what is asserted and what merely helps, with values and ties, the gap by round, a sentence."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations
 from typing import Any
 
@@ -10,9 +12,9 @@ from ...own_unit import Own
 from ...pendulum.catalogue import ANGLE, READINGS, SHIPPED, Catalogue
 from ...pendulum.effect import Effect
 from ...pendulum.formula import evaluate
-from ...studies.left_out import NO_VERDICT
 from ...studies.quantities import Quantity, loss_seen
-from ..guard import GUARD
+from ...studies.status import REMAINING, Status
+from ..guard import GUARD, Doubt
 from ..next.proposal import APART
 from ..see.locate import KINDS
 from .sentence import follows, sentence
@@ -41,94 +43,161 @@ def verdict(
     Returns
     -------
     dict
-        ``status``: ``consistent`` nothing was missing, ``named`` what was added stands alone and nothing above the noise remains,
-        ``ambiguous`` the same with a tie, ``partial`` something is asserted and something remains or is not asserted, ``unknown`` where
-        something is missing and nothing is asserted. ``effects`` holds what is asserted, ``stand_ins`` what merely helps.
+        ``status`` is a ``Status``. ``effects`` holds what is asserted, ``stand_ins`` what merely helps.
     """
-    rounds = [_in_own_unit(state) for state in rounds]
-    first, last = rounds[0], rounds[-1]
-    reading, own = last.get("reading", ANGLE), last.get("own")
-    asserted, stand_ins = [], []
-    dies_away = bool(last.get("driven")) or _dies_away(last.get("conclusion"))
-    unit_doubt = last.get("unit_doubt", "") if dies_away else ""
-    conclusion = None if unit_doubt else last.get("conclusion")  # in another unit it has other values
-    values = last["parameters"] | ((conclusion or {}).get("values") or {})
-    for name in last["findings"]:
-        one = _effect(name, catalogue, rounds, {} if unit_doubt else values)
-        doubt = last["findings"][name]["doubt"]
-        if unit_doubt and not last["findings"][name]["any_unit"]:  # it does the work of another unit
-            doubt = "another unit would explain it as well"
-        if not dies_away:  # and here perhaps that of a motor
-            doubt = "it does not die away"
-        if doubt := doubt or _no_finding(catalogue[name], last):
-            stand_ins.append(one | {"doubt": doubt})
-        else:
-            asserted.append(one)
-    # what is idle is nothing that is missing, but where all is doubted
-    doubted = [
-        one for one in stand_ins if not last["findings"][one["name"]]["idle"] or unit_doubt or not dies_away
-    ]
-    if last["missing"] or doubted or last.get("failed"):
-        status = "partial" if asserted or (difference and difference["effect"]) else "unknown"
-    elif not asserted:
-        status = "consistent"
-    else:
-        status = "ambiguous" if any(one["tied_with"] or one["law_open"] for one in asserted) else "named"
-    first_of_all = _LET_GO if not dies_away else _CHECK if unit_doubt else ""
-    found = {
-        "campaign": last["campaign"],
-        "reading": reading,
-        "unit": own["name"] if own else READINGS[reading],
-        "status": status,
-        "effects": asserted,
-        "stand_ins": stand_ins,
-        "probabilities": {name: p for name, p in last.get("probabilities", {}).items() if p >= _TOLD},
-        "nothing": last.get("nothing"),
-        "removed": [name for name in first["effects"] if name not in last["effects"]],
-        "where": {
-            "kind": KINDS.get(first["kind"]),
-            "seen": first["seen"],
-            "groups": _groups(first) if first["missing"] else {},
-            "remaining": _groups(last) if last["missing"] else {},
-            "remaining_kind": KINDS.get(last["kind"]),
-        },
-        "gap": {
-            "unit": "noise standard deviations",
-            "fit": [state["gap"]["fit"] for state in rounds],
-            "holdout": [state["gap"]["holdout"] for state in rounds],
-            in_unit("holdout", reading): [state["gap"]["holdout"] * noise_rms(state) for state in rounds],
-            "explained": _explained(first, last),
-            "left": {
-                "noise": last["gap"]["holdout"],
-                "rad" if reading == ANGLE else "rad_per_s": last["gap"]["holdout"] * noise_rms(last),
-            },
-        },
-        "noise_rms_rad": None,  # of a rate there is none in rad
-        in_unit("noise_rms", reading): noise_rms(last),
-        "noise_correlation": last["noise_correlation"],
-        "split": last["split"],
-        "recordings": last.get("recordings", []),
-        "left_out": last.get("left_out", []),
-        "moves": [state["chosen"]["move"] for state in rounds if state["chosen"]],
-        "model": values,
-        "own_frequency": last.get("own_frequency", {}),
-        "conclusion": conclusion,
-        "nuisance": last.get("nuisance", {}),
-        "misspecified": _at_their_bounds([catalogue[name] for name in last["effects"]], values),
-        "next_measurement": first_of_all
-        or _next_measurement(asserted, status, catalogue, last.get("next_swing"), own is not None),
-        "next_swing": None if first_of_all else last.get("next_swing"),
-        "stopped": bool(last["spent"]),
-        "unit_doubt": unit_doubt,
-        "driven": bool(last.get("driven")),
-        "dies_away": dies_away,
-        "failed": last.get("failed", ""),
-        "difference": difference if difference and difference["effect"] else None,
-        "guard": GUARD,
-    }
+    found = Verdict(tuple(map(_in_own_unit, rounds)), catalogue, difference).as_json()
     followed = follows(difference) if difference else ""
     found["sentence"] = f"{followed} {sentence(found, catalogue)}".strip()
     return found
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What may be said of a campaign by the ``rounds`` of its search, with effects of a ``catalogue``, and by what followed a change between
+    its recordings (``difference``)."""
+
+    rounds: tuple[Mapping[str, Any], ...]
+    catalogue: Catalogue
+    difference: Mapping[str, Any] | None
+
+    @property
+    def last(self) -> Mapping[str, Any]:
+        """The round that is judged."""
+        return self.rounds[-1]
+
+    @cached_property
+    def dies_away(self) -> bool:
+        """Whether swings are driven as was measured, or die away; effects of what does not may be a motor's."""
+        return bool(self.last.get("driven")) or _dies_away(self.last.get("conclusion"))
+
+    @cached_property
+    def unit_doubt(self) -> str:
+        """Why the unit of what dies away is not to be believed; empty where it is."""
+        return self.last.get("unit_doubt", "") if self.dies_away else ""
+
+    @cached_property
+    def doubts(self) -> dict[str, str]:
+        """By effect found, why it is not asserted; empty where it is."""
+        return {name: self._doubt(name, judged) for name, judged in self.last["findings"].items()}
+
+    def _doubt(self, name: str, judged: Mapping[str, Any]) -> str:
+        if not self.dies_away:
+            return Doubt.OF_MOTOR
+        if self.unit_doubt and not judged["any_unit"]:  # it does the work of another unit
+            return Doubt.OF_UNIT
+        return judged["doubt"] or _too_slow(self.catalogue[name], self.last)
+
+    @property
+    def asserted(self) -> dict[str, Mapping[str, Any]]:
+        """What is judged of each effect that is asserted, by name."""
+        return {name: self.last["findings"][name] for name, doubt in self.doubts.items() if not doubt}
+
+    @cached_property
+    def status(self) -> Status:
+        """The ``Status``."""
+        # what is idle is nothing that is missing, but where all is doubted
+        all_doubted = self.unit_doubt or not self.dies_away
+        doubted = any(
+            doubt and (all_doubted or not self.last["findings"][name]["idle"])
+            for name, doubt in self.doubts.items()
+        )
+        if self.last["missing"] or doubted or self.last.get("failed"):
+            follows = self.difference and self.difference["effect"]
+            return Status.PARTIAL if self.asserted or follows else Status.UNKNOWN
+        if not self.asserted:
+            return Status.CONSISTENT
+        tied = any(one["ties"] or one["law_open"] for one in self.asserted.values())
+        return Status.AMBIGUOUS if tied else Status.NAMED
+
+    @property
+    def first_of_all(self) -> str:
+        """What is to be measured before anything else can be told; empty where there is no such thing."""
+        return _LET_GO if not self.dies_away else _CHECK if self.unit_doubt else ""
+
+    @property
+    def next_measurement(self) -> str | None:
+        """The measurement that would tell more, as a sentence, or None: the experiment that tells the leading structures apart where one
+        does; else of tied effects what the catalogue says of two of them, or that nothing at hand does."""
+        if self.first_of_all:
+            return self.first_of_all
+        swing = self.last.get("next_swing")
+        ties = [{name, *one["ties"]} for name, one in self.asserted.items() if one["ties"]]
+        if not ties and self.status not in REMAINING:
+            return None
+        if swing is not None and swing["separation"] >= APART:
+            return str(swing["text"])
+        for names in ties:
+            for pair in combinations(self.catalogue.ordered(names), 2):
+                text = self.catalogue.measurement(*pair)
+                if text and not (self.last.get("own") and "°" in text):  # of what is no angle
+                    return text
+        if ties and swing is not None:
+            return str(swing["text"])
+        if ties:
+            return "Release from angles spread as far as the apparatus allows, and from both sides."
+        return "Record swings from several release angles, from both sides, and a minute at rest."
+
+    def as_json(self) -> dict[str, Any]:
+        """The contents of verdict.json but the sentence."""
+        rounds, first, last = self.rounds, self.rounds[0], self.last
+        reading, own = last.get("reading", ANGLE), last.get("own")
+        # in another unit it has other values
+        conclusion = None if self.unit_doubt else last.get("conclusion")
+        values = last["parameters"] | ((conclusion or {}).get("values") or {})
+        told = {
+            name: _effect(name, self.catalogue, rounds, {} if self.unit_doubt else values)
+            for name in self.doubts
+        }
+        return {
+            "campaign": last["campaign"],
+            "reading": reading,
+            "unit": own["name"] if own else READINGS[reading],
+            "status": str(self.status),
+            "effects": [told[name] for name in self.asserted],
+            "stand_ins": [told[name] | {"doubt": str(doubt)} for name, doubt in self.doubts.items() if doubt],
+            "probabilities": {name: p for name, p in last.get("probabilities", {}).items() if p >= _TOLD},
+            "nothing": last.get("nothing"),
+            "removed": [name for name in first["effects"] if name not in last["effects"]],
+            "where": {
+                "kind": KINDS.get(first["kind"]),
+                "seen": first["seen"],
+                "groups": _groups(first) if first["missing"] else {},
+                "remaining": _groups(last) if last["missing"] else {},
+                "remaining_kind": KINDS.get(last["kind"]),
+            },
+            "gap": {
+                "unit": "noise standard deviations",
+                "fit": [state["gap"]["fit"] for state in rounds],
+                "holdout": [state["gap"]["holdout"] for state in rounds],
+                in_unit("holdout", reading): [state["gap"]["holdout"] * noise_rms(state) for state in rounds],
+                "explained": _explained(first, last),
+                "left": {
+                    "noise": last["gap"]["holdout"],
+                    "rad" if reading == ANGLE else "rad_per_s": last["gap"]["holdout"] * noise_rms(last),
+                },
+            },
+            "noise_rms_rad": None,  # of a rate there is none in rad
+            in_unit("noise_rms", reading): noise_rms(last),
+            "noise_correlation": last["noise_correlation"],
+            "split": last["split"],
+            "recordings": last.get("recordings", []),
+            "left_out": last.get("left_out", []),
+            "moves": [state["chosen"]["move"] for state in rounds if state["chosen"]],
+            "model": values,
+            "own_frequency": last.get("own_frequency", {}),
+            "conclusion": conclusion,
+            "nuisance": last.get("nuisance", {}),
+            "misspecified": _at_their_bounds([self.catalogue[name] for name in last["effects"]], values),
+            "next_measurement": self.next_measurement,
+            "next_swing": None if self.first_of_all else last.get("next_swing"),
+            "stopped": bool(last["spent"]),
+            "unit_doubt": self.unit_doubt,
+            "driven": bool(last.get("driven")),
+            "dies_away": self.dies_away,
+            "failed": last.get("failed", ""),
+            "difference": self.difference if self.difference and self.difference["effect"] else None,
+            "guard": GUARD,
+        }
 
 
 def _dies_away(concluded: Mapping[str, Any] | None) -> bool:
@@ -144,15 +213,13 @@ def _dies_away(concluded: Mapping[str, Any] | None) -> bool:
     return loss_seen(known)
 
 
-def _no_finding(effect: Effect, told: Mapping[str, Any]) -> str:
-    """In words why an effect's values in a round are none: a frequency that the recordings are too short for; empty where there is no
-    reason."""
+def _too_slow(effect: Effect, told: Mapping[str, Any]) -> str:
+    """The doubt of an effect with a frequency that the recordings are too short for; empty where it has none."""
     longest = told.get("duration_s") or np.inf
-    values = {one.name: told["parameters"].get(one.name, {}).get("value") for one in effect.parameters}
     for parameter in effect.parameters:
-        value = values[parameter.name]
+        value = told["parameters"].get(parameter.name, {}).get("value")
         if parameter.at_line and value is not None and value * longest < 1:
-            return f"{parameter.name} is less than one in the longest recording"
+            return Doubt.TOO_SLOW.format(parameter=parameter.name)
     return ""
 
 
@@ -172,7 +239,7 @@ def no_verdict(state: Mapping[str, Any]) -> dict[str, Any]:
     why = state["no_verdict"]
     return {
         "campaign": state["campaign"],
-        "status": NO_VERDICT,
+        "status": str(Status.NO_VERDICT),
         "effects": [],
         "stand_ins": [],
         "removed": [],
@@ -281,29 +348,3 @@ def _at_their_bounds(effects: Iterable[Effect], values: Mapping[str, Any]) -> li
     """Sizes in the model that ended where their effect is not there: signs that the model is not the pendulum's."""
     sizes = [effect.size for effect in effects if effect.size and effect.one_sided]
     return [p.name for p in sizes if p.name in values and values[p.name]["value"] <= 0.0]
-
-
-def _next_measurement(
-    added: Sequence[Mapping[str, Any]],
-    status: str,
-    catalogue: Catalogue,
-    swing: Mapping[str, Any] | None,
-    own: bool,
-) -> str | None:
-    """The measurement that would tell more, as a sentence, or None: the experiment that tells the leading structures apart where one
-    does; else of tied effects what the catalogue says of two of them, or that nothing at hand does."""
-    tied = any(one["tied_with"] for one in added)
-    if not tied and status not in ("unknown", "partial"):
-        return None
-    if swing is not None and swing["separation"] >= APART:
-        return str(swing["text"])
-    for one in added:
-        for pair in combinations(catalogue.ordered({one["name"], *one["tied_with"]}), 2):
-            text = catalogue.measurement(*pair)
-            if text and not (own and "°" in text):  # of what is no angle
-                return text
-    if tied and swing is not None:
-        return str(swing["text"])
-    if tied:
-        return "Release from angles spread as far as the apparatus allows, and from both sides."
-    return "Record swings from several release angles, from both sides, and a minute at rest."
