@@ -10,7 +10,7 @@ from swingdown.plots.answer import shown_in, swings_with_fit
 from swingdown.plots.remainder import remainder
 from swingdown.plots.style import in_language
 from swingdown.sealed import read_csv, read_json
-from swingdown.studies.status import Status
+from swingdown.status import Status
 from swingdown.studies.words import short
 
 

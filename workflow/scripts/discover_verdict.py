@@ -4,7 +4,7 @@ from swingdown import console
 from swingdown.discovery.tell.verdict import no_verdict, verdict
 from swingdown.pendulum.catalogue import catalogue
 from swingdown.sealed import read_json, write_json
-from swingdown.studies.status import Status
+from swingdown.status import Status
 
 with console.job(snakemake.log[0]) as say:
     files, known = snakemake.input, catalogue(snakemake.params.effects)

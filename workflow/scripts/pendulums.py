@@ -4,9 +4,9 @@ from swingdown import console, dataset
 from swingdown.measurement.refused import used
 from swingdown.pendulum.catalogue import catalogue
 from swingdown.sealed import read_csv, read_json, write_csv
+from swingdown.status import Status
 from swingdown.studies.gravity import with_gravity
 from swingdown.studies.pendulums import pendulums
-from swingdown.studies.status import Status
 
 with console.job(snakemake.log[0]) as say:
     files, params = snakemake.input, snakemake.params

@@ -6,8 +6,8 @@ from swingdown import console, dataset
 from swingdown.plots.answer import shown_in
 from swingdown.report import contents, page, sweeps
 from swingdown.sealed import read_csv, read_json
+from swingdown.status import Status
 from swingdown.studies.left_out import OF_ALL
-from swingdown.studies.status import Status
 
 
 def report(

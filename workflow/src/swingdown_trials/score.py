@@ -12,7 +12,7 @@ from swingdown.discovery.data.noise import Noise
 from swingdown.discovery.guard import GUARD
 from swingdown.pendulum.catalogue import SHIPPED, Catalogue
 from swingdown.sealed import read_csv
-from swingdown.studies.status import NAMING, REMAINING, Status
+from swingdown.status import NAMING, REMAINING, Status
 
 from .trial import CORRELATION, Design
 

@@ -30,6 +30,7 @@ from ..measurement.slack import of_angles
 from ..own_unit import own_of
 from ..pendulum.catalogue import catalogue
 from ..pendulum.model import BASES, Model, everyday, models
+from ..status import Status
 from ..studies.described import described_by, reading_of, values_of
 from ..studies.doubt import (
     Moved,
@@ -45,7 +46,6 @@ from ..studies.experiment import fit_campaign, read_alike, with_drive
 from ..studies.norms import combine_recordings
 from ..studies.pendulums import NOT_DYING, SEARCH, joined, pendulums
 from ..studies.quantities import Quantity
-from ..studies.status import Status
 from ..studies.unscaled import without_scale
 from .given import Said, asked, swings
 from .options import TO_FIT

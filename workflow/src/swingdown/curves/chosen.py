@@ -8,7 +8,7 @@ import numpy as np
 from ..arrays import Floats
 from ..pendulum.catalogue import SHIPPED, Catalogue
 from ..pendulum.model import Model
-from ..studies.status import Status
+from ..status import Status
 
 Fitted = tuple[Model, Floats]  # a model with its values, and the covariance of its parameters
 

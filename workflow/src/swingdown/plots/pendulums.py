@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from ..studies.status import Status
+from ..status import Status
 from . import style
 
 # Status of the verdict: marker, colour and words. Colours that any colour vision tells apart, and never the colour alone.

@@ -9,7 +9,7 @@ import pandas as pd
 from ..console import framed
 from ..measurement.refused import COLUMNS
 from ..sealed import read_csv
-from .status import Status
+from ..status import Status
 
 OF_ALL, OF_SEARCH = "everything", "the search"
 

@@ -22,11 +22,11 @@ from ..pendulum.effect import NATURAL_FREQUENCY
 from ..pendulum.ideal import lengthening
 from ..pendulum.slack import ZERO, is_open
 from ..rounding import value_with_uncertainty
+from ..status import REMAINING, Status
 from .described import described, described_by, over_laws, probability, reading_of, rivals, weights
 from .left_over import MUCH, doubt
 from .norms import as_text
 from .quantities import UNITS, Quantity, loss_seen
-from .status import REMAINING, Status
 from .turning_points import NOT_DAMPED, as_told, passages_told, period_of_passages
 from .unscaled import as_seen, at_first_swing, meets
 

@@ -11,9 +11,9 @@ from ..pendulum.effect import Effect
 from ..pendulum.model import model_words
 from ..pendulum.slack import ZERO
 from ..rounding import SURE, probability, value_with_uncertainty
+from ..status import NAMING, Status
 from .pendulums import NOT_DYING, SEARCH, by_verdict, doubted, quantities_of, residual_of
 from .quantities import Quantity, in_its_middle
-from .status import NAMING, Status
 from .turning_points import NOT_DAMPED
 
 STATUS: dict[str, str] = {

@@ -13,8 +13,8 @@ from ..engine.trajectory import simulate
 from ..fitting.least_squares import fit_jointly
 from ..pendulum.catalogue import SHIPPED, catalogue
 from ..pendulum.model import Model
+from ..status import Status
 from ..studies.noise import add_noise
-from ..studies.status import Status
 from .draws import noise_key, stream
 from .impossible import IMPOSSIBLE, reason
 

@@ -12,7 +12,7 @@ from ...pendulum.effect import Effect
 from ...pendulum.model import in_words
 from ...pendulum.slack import ZERO, is_open
 from ...rounding import plus_minus, probability
-from ...studies.status import REMAINING, Status
+from ...status import REMAINING, Status
 
 _OF_ANOTHER_LAW = {"friction": "friction of another law", "drag": "drag of another law"}
 _SMALLER = {"rad": (1e-3, "mrad"), "rad/s": (1e-3, "mrad/s"), "s": (1e-3, "ms")}

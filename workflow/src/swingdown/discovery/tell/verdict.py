@@ -12,8 +12,8 @@ from ...own_unit import Own
 from ...pendulum.catalogue import ANGLE, READINGS, SHIPPED, Catalogue
 from ...pendulum.effect import Effect
 from ...pendulum.formula import evaluate
+from ...status import REMAINING, Status
 from ...studies.quantities import Quantity, loss_seen
-from ...studies.status import REMAINING, Status
 from ..guard import GUARD, Doubt
 from ..next.proposal import APART
 from ..see.locate import KINDS

@@ -7,7 +7,7 @@ from markupsafe import Markup
 
 from ...discovery.tell.sentence import rivals
 from ...pendulum.model import model_words
-from ...studies.status import REMAINING
+from ...status import REMAINING
 from .. import numbers
 from ..material import Material
 from ..page import Column, Figure, Item, Section, Table, Text, cells
