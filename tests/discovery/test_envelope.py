@@ -229,15 +229,19 @@ def test_a_friction_that_the_envelope_makes_improbable_is_not_seen(gain, sure):
 
 
 @pytest.mark.parametrize(
-    ("gain", "of_swings", "share", "told"),
-    [(4.0, 0.0, 0.15, True), (-0.8, 0.99, 0.15, True), (-0.8, 0.5, 0.15, False), (-5.0, 0.99, 0.15, False),
-     (-0.8, 0.99, 0.3, False), (np.nan, 0.99, 0.15, False)],
+    ("gain", "of_swings", "share", "whole", "told"),
+    [(4.0, 0.0, 0.15, 0.0, True), (-0.8, 0.99, 0.15, 0.0, True), (-0.8, 0.5, 0.15, 0.0, False), (-5.0, 0.99, 0.15, 0.0, False),
+     (-0.8, 0.99, 0.3, 0.0, False), (np.nan, 0.99, 0.15, 0.0, False), (9.8, 0.0, 0.0, 0.99, False)],
 )  # fmt: skip
-def test_a_drag_is_sure_by_swings_or_amplitudes_unless_these_speak_against_it(gain, of_swings, share, told):
+def test_a_drag_is_sure_by_swings_or_amplitudes_unless_these_speak_against_it(
+    gain, of_swings, share, whole, told
+):
+    """Or unless nothing may be missing without it: amplitudes of a false unit lose as by another law."""
     pool = SimpleNamespace(
         unlike_the_base=lambda kind: (SQUARE, kind),
         envelope=lambda laws: Seen(gain, share, 0.3),
         of=lambda names: of_swings,
+        whole_without=lambda names: whole,
     )
     assert (_shown(pool, ["quadratic_drag"])[0] is not None) == told
 

@@ -137,8 +137,9 @@ def _shown(pool: Pool, kind: Sequence[str]) -> tuple[Seen | None, list[str]]:
     effects that the base has none like)."""
     laws, like = pool.unlike_the_base(kind)
     one = pool.envelope(laws)
-    # by the swings or by the envelope, unless the latter makes it improbable
+    # by the swings or by the envelope, unless the latter makes it improbable, or nothing may be missing without it
     sure = one.chance >= POSSIBLE and max(one.chance, pool.of(like)) >= PROBABLE
+    sure = sure and pool.whole_without(like) <= POSSIBLE
     sure = sure and over_bounds((one.share, one.held_out)) <= 1
     return one if sure else None, like
 

@@ -318,8 +318,12 @@ class Pool:
 
     def nothing(self) -> float:
         """The probability that nothing is missing, though recordings may have a natural frequency each."""
-        shares = self.probabilities()
-        return sum(shares[one.key] * one.whole for one in self.bases)
+        return self.whole_without(set(self.first.fit.model.catalogue.names) - self.base)
+
+    def whole_without(self, names: Collection[str]) -> float:
+        """The probability that none of these effects is there, and that the others leave nothing that is missing."""
+        unwanted, shares = frozenset(names), self.probabilities()
+        return sum(shares[key] * one.whole for key, one in self.known.items() if not key & unwanted)
 
     @property
     def bases(self) -> list[Structure]:
