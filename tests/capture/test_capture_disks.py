@@ -81,7 +81,7 @@ def test_a_full_disk_is_told_in_one_block(snakemake, tmp_path, left):
         os.truncate(tmp_path / "other", (tmp_path / "other").stat().st_size - left)
         done = snakemake(
             "capture", "--configfile", tmp_path / "study.yaml", "--config", "recording=a",
-            directory=tmp_path, check=False,
+            directory=tmp_path, check=False, environment={},
         )  # fmt: skip
         assert done.returncode != 0 and "the disk is full" in done.stdout
         assert "Traceback" not in done.stdout and len(done.stdout.splitlines()) < 20, done.stdout
