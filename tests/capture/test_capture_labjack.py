@@ -122,6 +122,6 @@ def test_the_capture_rule_takes_a_labjack(library, snakemake, tmp_path, monkeypa
         "recordings: recordings.csv\ncapture: {port: labjack://T7/ANY/AIN0, duration_s: 2, settle_s: 0, emulated: true}\n"
     )
     done = snakemake(
-        "capture", "--configfile", tmp_path / "study.yaml", "--config", "recording=swing", directory=tmp_path
-    )
+        "capture", "--configfile", tmp_path / "study.yaml", "--config", "recording=swing", directory=tmp_path, environment={},
+    )  # fmt: skip
     assert "swing: complete: 200 of 200 samples" in done.stdout
