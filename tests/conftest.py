@@ -9,6 +9,7 @@ import signal
 import socket
 import subprocess
 import sys
+from itertools import count
 from pathlib import Path
 
 import pytest
@@ -124,9 +125,10 @@ def forked(tmp_path_factory):
     for name in added:
         del os.environ[name]
     os.environ.update(before)
-    script = tmp_path_factory.mktemp("forked") / "run.py"
+    folder, numbers = tmp_path_factory.mktemp("forked"), count()
 
     def run(arguments):
+        script = folder / f"run-{next(numbers)}.py"  # threads run some at once
         script.write_text(RUN.format(environment=added, arguments=arguments))
         job = json.dumps({"script": str(script), "folder": str(ROOT), "environment": dict(os.environ)})
         reads, writes = os.pipe()
