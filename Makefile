@@ -14,7 +14,7 @@
 # make clean      remove what was computed; make distclean removes .venv as well
 #
 # VERSIONS=highest sets up .venv with the newest versions of what the package needs itself, VERSIONS=lowest-direct with the lowest allowed.
-# TARGET=report, CORES=4 and ARGS="--configfile mine.yaml" are passed on to snakemake; TESTS=tests/test_fit.py to pytest (of quick, too).
+# TARGET=report, CORES=4 and ARGS="--configfile mine.yaml" are passed on to snakemake; TESTS=tests/fitting/test_fit.py to pytest (of quick, too).
 
 PYTHON ?= python3
 CORES ?= 2
@@ -71,7 +71,7 @@ IMPORT_ALL := import importlib, pkgutil, swingdown; \
 # whichever file a test is of.
 QUICK := $(addprefix tests/, test_imports.py test_lint.py test_types.py test_dataset.py test_quantisation.py test_rounding.py test_schema.py \
   discovery/test_frozen.py discovery/test_losses.py discovery/test_verdict.py engine/test_elementary.py engine/test_refusals.py engine/test_sticking.py engine/test_trajectory.py \
-  fitting/test_covariance.py fitting/test_fit.py fitting/test_guess.py \
+  fitting/test_covariance.py fitting/test_fit.py fitting/test_guess.py fitting/test_nelder_mead.py fitting/test_starts.py \
   measurement/test_angle.py measurement/test_bounds.py measurement/test_recording.py measurement/test_sheet.py measurement/test_straight_line.py \
   pendulum/test_formula.py pendulum/test_model.py)
 

@@ -14,7 +14,14 @@ from swingdown.fitting.result import Begin, SwingStart
 from swingdown.pendulum.model import Model
 
 TIMES = np.arange(1001) / 100
+SHORT = TIMES[:501]
 SNR = 50
+PAPER = {
+    "natural_frequency": 7.25,
+    "viscous_ratio": 0.03,
+    "quadratic_coefficient": 0.05,
+    "load_friction": 0.012,
+}
 
 
 @dataclass(frozen=True)
@@ -65,3 +72,8 @@ def random_start(case, rng):
         for name, value in case.model.values.items()
     }
     return values, case.release_angle * rng.uniform(0.8, 1.2), float(rng.uniform(-0.5, 0.5))
+
+
+def paper_model(label):
+    """A model with coefficients as large as the paper's pendulum has."""
+    return Model(label, {name: PAPER[name] for name in Model(label).parameters})
