@@ -2,7 +2,6 @@
 
 import ctypes
 import fcntl
-import json
 import os
 import shutil
 import signal
@@ -130,17 +129,15 @@ def forked(tmp_path_factory):
     def run(arguments):
         script = folder / f"run-{next(numbers)}.py"  # threads run some at once
         script.write_text(RUN.format(environment=added, arguments=arguments))
-        job = json.dumps({"script": str(script), "folder": str(ROOT), "environment": dict(os.environ)})
-        reads, writes = os.pipe()
-        with socket.socket(socket.AF_UNIX) as connection, open(reads, encoding="utf-8") as printed:
+        printed = script.with_suffix(".txt")
+        with socket.socket(socket.AF_UNIX) as connection:
             connection.connect(added[prefork.ADDRESS])
-            with open(writes, "wb") as told, open(os.devnull) as nothing:
-                size = len(job.encode()).to_bytes(4, "big")
-                socket.send_fds(connection, [size], [nothing.fileno(), told.fileno(), told.fileno()])
-            connection.sendall(job.encode())
+            with open(printed, "wb") as told, open(os.devnull) as nothing:
+                streams = [nothing.fileno(), told.fileno(), told.fileno()]
+                prefork.send(connection, str(script), str(ROOT), streams)
             connection.settimeout(900)
-            text = printed.read()
-            return text, connection.recv(1)[0]
+            code = connection.recv(1)
+        return printed.read_text(), code[0] if code else -signal.SIGKILL
 
     return run
 

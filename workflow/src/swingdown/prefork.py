@@ -65,7 +65,6 @@ def hand_over() -> None:
     """Does not return if the job of this process, which is a script of the workflow, has been done elsewhere."""
     if ADDRESS not in os.environ or any(os.environ.get(k) != v for k, v in THREADS.items()):
         return
-    import json
     import signal
     import socket
 
@@ -75,14 +74,21 @@ def hand_over() -> None:
             connection.connect(os.environ[ADDRESS])
         except OSError:
             return
-        job = {"script": sys.argv[0], "folder": os.getcwd(), "environment": dict(os.environ)}
-        text = json.dumps(job).encode()
-        socket.send_fds(connection, [len(text).to_bytes(4, "big")], [0, 1, 2])
-        connection.sendall(text)
+        send(connection, sys.argv[0], os.getcwd(), [0, 1, 2])
         ended = connection.recv(1)  # were this process to be killed, its end of the line tells the other
     if not ended:
         print("The process that ran this job was killed.", file=sys.stderr, flush=True)
     os._exit(ended[0] if ended else 1)
+
+
+def send(connection: Any, script: str, folder: str, streams: list[int]) -> None:
+    """A job is asked for: the script in that folder with these three streams and the present environment. Its code comes back as one byte."""
+    import json
+    import socket
+
+    text = json.dumps({"script": script, "folder": folder, "environment": dict(os.environ)}).encode()
+    socket.send_fds(connection, [len(text).to_bytes(4, "big")], streams)
+    connection.sendall(text)
 
 
 def _serve(listening: Any) -> None:
