@@ -16,6 +16,7 @@ import warnings
 from functools import partial
 from pathlib import Path
 
+from swingdown.discovery import guard
 from swingdown.discovery.data.campaign import Swing, campaign
 from swingdown.discovery.search import discover
 from swingdown.discovery.tell.files import summary
@@ -26,15 +27,15 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "discovery"))
 from test_frozen import CAMPAIGNS, swings
 
 SETTINGS = {
-    "judge.findings": ("PROBABLE", "SHARE", "HELD_OUT", "TIES", "POSSIBLE", "CLEAR"),
-    "judge.structures": ("POSSIBLE", "_COUNTS"),
+    "guard": ("PROBABLE", "POSSIBLE", "SHARE", "HELD_OUT", "CLEAR", "TIES"),
+    "judge.structures": ("_COUNTS",),
     "see.friction": ("_ANGLES", "_EACH"),
     "see.envelope": ("_NODES",),
     "see.discrepancy": ("_BINS", "_SEEN", "_NOISE_KNOWN"),
     "see.kinds": ("_ANGLES", "_SPEEDS", "_TIMES", "SMOOTH", "_KEPT", "_FINE"),
     "see.restricted": ("_ANY",),
     "search": ("_LOUDER", "_AGAIN"),
-    "move.admissible": ("CLEAR", "_VAGUE", "_HOPELESS"),
+    "move.admissible": ("_VAGUE", "_HOPELESS"),
     "move.ranking": ("_PROMISING", "_HOPEFUL", "_FIRST", "_WIDE", "_FEW", "_FAR", "_FELL_SHORT", "_NUDGED", "_SHARES", "_SHAPES"),
     "move.evidence": ("TIE",),
     "move.candidates": ("WIDEST", "_FIRST"),
@@ -58,28 +59,37 @@ def scaled(name, value, factor):
 
 
 def changed(module, name, factor):
-    """Return the call that puts everything back; a module's setting is another until then, in its functions' defaults too."""
+    """Return the call that puts everything back; a setting is another until then, wherever it was imported and in functions' defaults."""
     value = getattr(module, name)
     other = scaled(name, value, factor)
+    holders = [module, *(one for one in _rooms() if module is guard and name in vars(one))]
     functions = [
         one
-        for one in vars(module).values()
+        for holder in holders
+        for one in vars(holder).values()
         if getattr(one, "__defaults__", None) and value in one.__defaults__
     ]
     kept = [one.__defaults__ for one in functions]
-    setattr(module, name, other)
-    _forget(module)
+    for holder in holders:
+        setattr(holder, name, other)
+        _forget(holder)
     if name.startswith("_") and isinstance(value, int):
         for one in functions:
             one.__defaults__ = tuple(other if each is value else each for each in one.__defaults__)
 
     def back():
-        setattr(module, name, value)
-        _forget(module)
+        for holder in holders:
+            setattr(holder, name, value)
+            _forget(holder)
         for one, defaults in zip(functions, kept, strict=True):
             one.__defaults__ = defaults
 
     return back
+
+
+def _rooms():
+    """The modules of the search, that import the numbers which decide."""
+    return [one for name, one in list(sys.modules.items()) if name.startswith(f"{guard.__package__}.")]
 
 
 def _forget(module):

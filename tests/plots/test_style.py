@@ -69,7 +69,7 @@ def test_a_failed_save_leaves_the_old_file_and_nothing_else(tmp_path, monkeypatc
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_plots_rest_on_datasets_symbols_rounding_and_the_way_files_are_written_alone():
+def test_plots_rest_on_datasets_symbols_statuses_rounding_and_the_way_files_are_written_alone():
     usual = {
         "matplotlib",
         "numpy",
@@ -102,6 +102,7 @@ def test_plots_rest_on_datasets_symbols_rounding_and_the_way_files_are_written_a
                     "paths",
                     "rounding",
                     "sealed",
+                    "status",
                 ), file.name
 
 
