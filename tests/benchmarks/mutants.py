@@ -1,9 +1,9 @@
-"""How many faults put into random modules their closest tests notice: python tests/benchmarks/mutants.py SEED [MODULES] [EACH]
+"""How many faults put into random modules their closest tests notice: python tests/benchmarks/mutants.py SEED [MODULES] [EACH] [list]
 
 A mutant is a copy of the package in which one comparison, sign, number or condition of a module is another. The closest tests are the
-files of its room that are named after the module; else those that import it; else those closest to the modules that do. A mutant that
-leaves them green survives: either a test lacks an assertion, or the change changes nothing that a user would notice. It exits with the
-share that survives above a tenth.
+files of its room that are named after the module; else those of its room that import it; else those of other rooms that do, and those
+of its room that are closest to the modules that do. A mutant that leaves them green survives: either a test lacks an assertion,
+or the change changes nothing that a user would notice. It exits with the share that survives above a tenth. ``list`` shows them untried.
 """
 
 import ast
@@ -39,17 +39,19 @@ def closest(module, passed=()):
     """The files of tests that are closest to a module, none to those ``passed`` on the way to it."""
     parts = module.relative_to(SOURCE).with_suffix("").parts
     room = ROOT / "tests" / (parts[1] if len(parts) > 2 else "")
-    names = {f"test_{parts[-1]}.py", f"test_{parts[1]}_{parts[-1]}.py"}
+    parts = parts[:-1] if parts[-1] == "__init__" else parts  # a package is imported by its own name
+    names = {f"test_{parts[-1]}.py", f"test_{parts[1]}_{parts[-1]}.py"} if len(parts) > 1 else set()
     if named := [path for path in sorted(room.glob("test_*.py")) if path.name in names]:
         return named
     above, name = re.escape(".".join(parts[:-1])), re.escape(parts[-1])
-    imports = re.compile(rf"{above}\.{name}\b|from {above} import (\([^)]*|.*)\b{name}\b")
+    imports = re.compile(rf"{above}\.{name}\b(?!\.)|from {above} import (\([^)]*|.*)\b{name}\b")
     found = [path for path in sorted((ROOT / "tests").rglob("test_*.py")) if imports.search(path.read_text())]
-    if not found:
-        package = sorted((SOURCE / "swingdown").rglob("*.py"))
-        users = (user for user in package if module in imported(user) and user not in passed)
-        found = sorted({test for user in users for test in closest(user, (*passed, module))})
-    return [path for path in found if path.parent == room] or found or [room]
+    if own := [path for path in found if path.parent == room]:
+        return own
+    package = sorted((SOURCE / "swingdown").rglob("*.py"))
+    users = (user for user in package if user not in passed and module in imported(user))
+    through = sorted({test for user in users for test in closest(user, (*passed, module))})
+    return sorted({*found, *(path for path in through if path.parent == room)}) or through or [room]
 
 
 def changes(text):
@@ -116,30 +118,44 @@ def noticed(folder, tests):
     return done.returncode not in _GREEN
 
 
-def main(seed, count=12, each=3):
-    draw, survived, total = random.Random(int(seed)), 0, 0
+def drawn(seed, count, each):
+    """Modules by chance, the source of each, and of its mutants those drawn."""
+    draw = random.Random(int(seed))
+    for module in draw.sample(modules(), int(count)):
+        whole = module.read_bytes()
+        known = sorted(set(changes(whole.decode())))
+        yield module, whole, sorted(draw.sample(known, min(int(each), len(known))))
+
+
+def told(module, whole, mutant):
+    """Where a mutant is, and what it changes into what."""
+    start, end, other = mutant
+    line, was = whole[:start].count(b"\n") + 1, " ".join(whole[start:end].decode().split())
+    return f"{module.relative_to(ROOT)}:{line}: {was} -> {other}"
+
+
+def main(seed, count=12, each=3, how=""):
+    survived, total = 0, 0
     with tempfile.TemporaryDirectory() as place:
         copy = copied(Path(place))
-        for module in draw.sample(modules(), int(count)):
-            whole = module.read_bytes()
-            known = sorted(set(changes(whole.decode())))
-            drawn = sorted(draw.sample(known, min(int(each), len(known))))
-            if noticed(copy, closest(module)):
+        for module, whole, mutants in drawn(seed, count, each):
+            tests, target = closest(module), copy / module.relative_to(SOURCE)
+            if how == "list":
+                print(*(str(test.relative_to(ROOT)) for test in tests))
+                print(*(told(module, whole, mutant) for mutant in mutants), sep="\n")
+                continue
+            if noticed(copy, tests):
                 print(
                     f"not counted: {module.relative_to(ROOT)}, whose tests fail without a mutant", flush=True
                 )
                 continue
-            for start, end, other in drawn:
-                target = copy / module.relative_to(SOURCE)
+            for start, end, other in mutants:
                 target.write_bytes(whole[:start] + other.encode() + whole[end:])
-                seen = noticed(copy, closest(module))
+                seen = noticed(copy, tests)
                 target.write_bytes(whole)
                 survived, total = survived + (not seen), total + 1
-                line = whole[:start].count(b"\n") + 1
-                was = " ".join(whole[start:end].decode().split())
                 print(
-                    f"{'noticed ' if seen else 'SURVIVES'} {module.relative_to(ROOT)}:{line}: {was} -> {other}",
-                    flush=True,
+                    "noticed " if seen else "SURVIVES", told(module, whole, (start, end, other)), flush=True
                 )
     print(f"{survived} of {total} survive")
     return survived > total / 10

@@ -65,6 +65,16 @@ def test_a_sheet_by_name_with_lines_of_title_above_the_header(read):
     same(read(workbook(Notes=[["about", 1]], Data=[["Class 9b"], [], *ROWS]), "swing.xlsx", "Data"))
 
 
+def test_of_two_sheets_of_numbers_the_first_is_taken_and_one_that_is_named_whatever_others_hold(read):
+    other = [ROWS[0], *([time, 2 * angle] for time, angle in ROWS[1:])]
+    same(read(workbook(One=ROWS, Two=other), "swing.xlsx"))
+    found = read(workbook(One=ROWS, Two=other), "swing.xlsx", "Two")
+    np.testing.assert_array_equal(found["signal"].values, 2 * SWING)
+    with pytest.raises(InputError, match=r"swing\.xlsx"):
+        read(workbook(Notes=[["about", 1]], Data=ROWS), "swing.xlsx", "Notes")
+    same(read(workbook(Notes=[["about", 1]], Data=ROWS, More=other), "swing.xlsx"))
+
+
 def test_a_cell_that_is_no_number_is_a_missing_sample(read):
     rows = [list(row) for row in ROWS]
     rows[40][1] = "#DIV/0!"

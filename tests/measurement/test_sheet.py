@@ -6,7 +6,7 @@ import re
 import pytest
 
 from swingdown.errors import InputError
-from swingdown.measurement.sheet import SCHEMA, TIME_UNITS, read_sheet
+from swingdown.measurement.sheet import SCHEMA, TIME_UNITS, read_sheet, rows_of_parts
 from swingdown.paths import PROJECT, find, safe_name
 from swingdown.schema import rules
 
@@ -95,6 +95,47 @@ def test_what_a_sheet_may_not_hold(sheet, text, told):
 
 def test_every_unit_of_time_that_the_schema_knows_has_a_length():
     assert list(TIME_UNITS) == rules(SCHEMA)["properties"]["time_unit"]["enum"]
+
+
+def test_files_that_are_not_there_are_told_where_they_are_asked_for(sheet, tmp_path):
+    text = "recording,file\na,gone.csv\nb,https://example.org/b.csv\n"
+    (tmp_path / "sheet.csv").write_text(text)
+    assert list(read_sheet("sheet.csv", check_files=False).file) == ["gone.csv", "https://example.org/b.csv"]
+    with pytest.raises(InputError, match="line 2, column file: there is no file gone.csv"):
+        read_sheet("sheet.csv")
+    assert sheet(text.replace("a,gone.csv\n", "")).loc["b", "line"] == 2
+
+
+@pytest.mark.parametrize(
+    ("cells", "units"),
+    [("t_us,angle_counts", ("us", "counts")), ("time,theta", ("", "")), ("t_ns,U_V", ("ns", "V"))],
+)
+def test_a_unit_is_the_end_of_a_columns_name(sheet, cells, units):
+    row = sheet(f"recording,file,time_column,signal_column\na,a.csv,{cells}\n").loc["a"]
+    assert (row.time_unit, row.signal_unit) == units
+
+
+def test_a_window_of_no_length_is_none(sheet):
+    with pytest.raises(InputError, match="the window ends at 2 s and starts at 2 s"):
+        sheet("recording,file,start_s,stop_s\na,a.csv,2,2\n")
+    row = sheet("recording,file,start_s,stop_s,sha256\na,a.csv,2,2.01," + "AB" * 32 + "\n").loc["a"]
+    assert (row.start_s, row.stop_s, row.sha256) == (2.0, 2.01, "ab" * 32)
+
+
+def test_the_rows_of_parts_are_a_sheet_that_can_be_read(sheet):
+    whole = sheet(
+        "recording,campaign,file,signal_unit,counts_per_revolution\na,bob,a.csv,counts,4096\n"
+    ).reset_index()
+    rows = rows_of_parts(
+        whole.iloc[0], [{"run": "run 1", "start_s": "1.5"}, {"run": "run 2", "start_s": "2"}]
+    )
+    parted = sheet(rows + "\n")
+    assert list(parted.index) == ["a-1", "a-2"] and list(parted.run) == ["run 1", "run 2"]
+    assert list(parted.start_s) == [1.5, 2.0] and set(parted.campaign) == {"bob"}
+    assert list(parted.counts_per_revolution) == [4096, 4096] and list(parted.line) == [2, 3]
+    assert "counts_per_revolution" not in rows_of_parts(
+        {"recording": "a", "file": "a.csv", "line": 2}, [{"run": "1"}]
+    )
 
 
 def test_a_missing_sheet_is_told(tmp_path):

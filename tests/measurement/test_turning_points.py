@@ -200,3 +200,11 @@ def test_a_long_series_whose_period_changes_by_a_percent_is_counted_throughout()
     angles = 0.3 * np.exp(-number / 180) * (-1.0) ** number
     found = points_in(times, angles, "points", name="angle")
     assert list(found.halves) == list(number) and len(found.times) == number.size
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_point_at_the_zero_of_the_scale_is_on_the_side_of_the_others(sign):
+    sizes = np.append(A[:58:2], 0.0)
+    found = points_in(T[::2], sign * sizes, "here", stated="turning_points")
+    assert not found.both and list(found.halves) == list(range(0, 60, 2))
+    assert found.readings[0] == pytest.approx(A[0], abs=1e-12)

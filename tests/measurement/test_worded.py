@@ -66,7 +66,8 @@ def test_all_words_before_a_number_name_it(here):
     assert found.attrs["taken"].startswith("took `Pendulum angle (deg)` as degrees, `Time (s)` as s")
 
 
-def test_a_record_over_several_lines_is_a_row(here):
+@pytest.mark.parametrize("lost", [slice(98, 99), slice(98, 100)], ids=["a line", "all but the first"])
+def test_a_record_over_several_lines_is_a_row(here, lost):
     """As a library's example prints an inertial sensor: the words stand before the first axis, the unit behind the last."""
     rates = np.gradient(np.radians(ANGLES), 0.02)
     lines = ["Found!"]
@@ -77,7 +78,7 @@ def test_a_record_over_several_lines_is_a_row(here):
             "Temperature: 24.5 degC",
             "",
         ]
-    del lines[98]  # of this record a line is lost: it is none
+    del lines[lost]  # of this record the rotation is lost
     (here / "swing.log").write_text("\n".join(lines))
     (here / "sheet.csv").write_text(
         "recording,file,rate_hz,signal_column\nswing,swing.log,50,Rotation Y (rad/s)\n"
@@ -92,3 +93,21 @@ def test_what_stands_above_the_first_line_hides_no_names(here):
     lines = ["sensor ready", *(f"AcX = {a:.2f} | GyY = {2 * a:.3f}" for a in ANGLES)]
     with pytest.raises(InputError, match="AcX, GyY"):
         read(here, "\n".join(lines), "log")
+
+
+def test_a_number_without_a_word_has_its_place_for_a_name(here):
+    lines = [f"{t:.2f}, angle_deg: {a:.3f}" for t, a in zip(TIMES, ANGLES, strict=True)]
+    found = read(here, "\n".join(lines), "log")
+    assert found.attrs["taken"].startswith("took `angle_deg` as degrees, `column 1` as s")
+
+
+@pytest.mark.parametrize(("others", "told"), [(90, True), (115, False)])
+def test_lines_are_a_table_where_four_in_five_have_one_wording(here, others, told):
+    """Of 400 lines that say what each number is, beside some that say it otherwise."""
+    lines = [f"t={t:.2f} angle_deg={a:.3f}" for t, a in zip(TIMES, ANGLES, strict=True)]
+    more = [f"{'watch battery level'[: 5 + k % 14]} {k % 7}: {k} percent" for k in range(others)]
+    if told:
+        assert read(here, "\n".join([*lines, *more]), "log").sizes["time"] == TIMES.size
+    else:
+        with pytest.raises(InputError):
+            read(here, "\n".join([*lines, *more]), "log")

@@ -1,11 +1,42 @@
 """Small datasets laid out as the workflow lays them out, for figures to be drawn from."""
 
+import json
+import os
+from pathlib import Path
+
 import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
+from picture import panels
 
 from swingdown.pendulum.model import PAPER_MODELS
+from swingdown.plots import style
+
+FROZEN = Path(__file__).with_name("frozen.json")
+
+
+@pytest.fixture
+def frozen(request, monkeypatch):
+    """Of a test whose figures stay as they are: what each looks like is held against what it looked like.
+
+    Where a figure was meant to change, look at it, and ``FROZEN_WRITE=1 make test TESTS="tests/plots -n0"`` writes all anew.
+    """
+    drawn, new_figure = [], style.new_figure
+
+    def kept(*args, **kwargs):
+        drawn.append(new_figure(*args, **kwargs))
+        return drawn[-1]
+
+    monkeypatch.setattr(style, "new_figure", kept)
+    yield
+    known, name = json.loads(FROZEN.read_text()), request.node.nodeid.split("/")[-1]
+    seen = [" ".join(f"{panel}:{letters}" for panel, letters in panels(figure).items()) for figure in drawn]
+    if os.environ.get("FROZEN_WRITE"):
+        FROZEN.write_text(json.dumps(known | {name: seen}, indent=0, sort_keys=True) + "\n")
+    else:
+        assert seen == known.get(name), "a figure is another than it was (see the fixture ``frozen``)"
+
 
 SIMULATED = PAPER_MODELS[:3]
 PAPER_TABLE_2 = {

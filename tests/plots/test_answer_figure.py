@@ -6,9 +6,10 @@ import pytest
 from written import in_the_way
 
 from swingdown.arrays import Shown
-from swingdown.plots import discovery
 from swingdown.plots.answer import swings_alone, swings_with_fit, thinned
 from swingdown.plots.pendulums import side_by_side
+
+pytestmark = pytest.mark.usefixtures("frozen")
 
 TIMES = np.arange(2000) / 100
 
@@ -87,28 +88,3 @@ def test_each_pendulum_of_a_class_has_a_line_of_its_own(count):
     assert not in_the_way(side_by_side(pd.DataFrame(rows)))
     never = side_by_side(pd.DataFrame(rows | {"verdict": np.nan}))  # as a table of such is read from its file
     assert [text.get_text() for text in never.legends[0].get_texts()] == ["not searched"]
-
-
-def test_the_larger_gap_is_told_above():
-    """Labels on fixed sides say of two marks close to each other the wrong number."""
-    found = {"gap": {"fit": [4.45, 1.0], "holdout": [4.14, 1.01]}, "moves": ["add presliding"]}
-    axes = discovery.gap(found).axes[0]
-    places = {text.get_text(): text.xyann[1] for text in axes.texts}
-    assert places["4.45"] > 0 > places["4.14"] and places["1.01"] > 0 > places["1"]
-
-
-@pytest.mark.parametrize("count, bars", [(20, 0), (400, 12)])
-def test_many_half_swings_are_told_by_means(count, bars):
-    x = np.linspace(0.1, 0.5, count)
-    rows = pd.DataFrame({"swing": "a", "of": "measured", "amplitude_rad": x, "energy_loss": 0.02, "period_ratio": 1 + 1e-3 * np.sin(99 * x), "midpoint_rad": 0.0})  # fmt: skip
-    table = pd.concat([rows, rows.assign(of="modelled", period_ratio=1.0)])
-    below = discovery.half_swings(table, table).axes[4]
-    assert len(below.containers) == 2 * bars  # of the base model and of the last
-
-
-def test_a_swing_that_is_over_in_three_has_a_figure_without_half_swings(tmp_path):
-    columns = ["time_s", "amplitude_rad", "energy_loss", "period_ratio", "midpoint_rad", "swing", "of"]
-    pd.DataFrame(columns=columns).to_csv(tmp_path / "half_swings.csv", index=False)
-    table = pd.read_csv(tmp_path / "half_swings.csv")
-    shown = discovery.half_swings(table, table)
-    assert [text.get_text() for axes in shown.axes[:3] for text in axes.texts] == ["no half-swing"] * 3

@@ -116,6 +116,7 @@ def test_a_simulation_says_that_settings_were_inferred(draw, name, realizations,
     assert "inferred" not in said(draw(name, **{key: data.drop_attrs(deep=False)}))
 
 
+@pytest.mark.usefixtures("frozen")
 @pytest.mark.parametrize("name", sorted(FIGURES))
 def test_nothing_that_is_written_overlaps_or_leaves_the_figure(draw, name):
     assert not in_the_way(draw(name))

@@ -5,6 +5,8 @@ import pytest
 
 from swingdown.plots.change import over_the_change
 
+pytestmark = pytest.mark.usefixtures("frozen")
+
 LAW = {"exponent": 2.0, "u_exponent": 0.05, "offset": 0.001, "u_offset": 1e-4, "factor": 0.02, "at": 0.5, "widened_by": 1.0}  # fmt: skip
 
 

@@ -9,6 +9,8 @@ from written import in_the_way
 from swingdown.plots import style
 from swingdown.plots.remainder import remainder
 
+pytestmark = pytest.mark.usefixtures("frozen")
+
 TOLD = {
     "campaign": "bench",
     "remainder": {"shares": {"position": 0.123, "velocity": 0.5, "sum": 0.75, "map": 1.0}},

@@ -9,6 +9,8 @@ import pytest
 from swingdown.plots.series import drawn, groups_side_by_side
 from swingdown.series import of_sheet
 
+pytestmark = pytest.mark.usefixtures("frozen")
+
 LENGTHS = np.array([0.2, 0.4, 0.8])
 LEFT = "data − law (%)"
 

@@ -1,9 +1,12 @@
 """The picture of a recording shows which part of it is used."""
 
 import numpy as np
+import pytest
 import xarray as xr
 
 from swingdown.plots.recordings import used_part
+
+pytestmark = pytest.mark.usefixtures("frozen")
 
 
 def recording(**told):

@@ -7,6 +7,8 @@ from matplotlib.text import Text
 
 from swingdown.plots.sweep import MAPS
 
+pytestmark = pytest.mark.usefixtures("frozen")
+
 
 def said(figure):
     return [text.get_text() for text in figure.findobj(Text) if text.get_text().strip()]
