@@ -2,8 +2,8 @@
 
     .venv/bin/python tests/benchmarks/sensitivity.py [--only TEXT ...] [--campaigns TEXT ...] [--pickles FOLDER]
 
-``SETTINGS`` has the numbers that decide (discovery/guard.py), and every numerical setting of the search by which a verdict could change: whole numbers at
-least 1, shares at most 0.999. The campaigns are the frozen ones (tests/discovery/test_frozen.py), and those of others that
+``CRITERION`` has the numbers that decide (discovery/guard.py), ``SETTINGS`` every numerical setting of the search by which a verdict could change: whole
+numbers at least 1, shares at most 0.999. The campaigns are the frozen ones (tests/discovery/test_frozen.py), and those of others that
 ``labelled.py --pickles`` wrote to FOLDER. A verdict has changed where another effect is asserted, alone or in ties, or the status is another.
 ``_FEW`` and the like stand in signatures as well: both are changed.
 """
@@ -13,6 +13,7 @@ import importlib
 import pickle
 import sys
 import warnings
+from dataclasses import fields, replace
 from functools import partial
 from pathlib import Path
 
@@ -27,7 +28,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "discovery"))
 from test_frozen import CAMPAIGNS, swings
 
 SETTINGS = {
-    "guard": ("PROBABLE", "POSSIBLE", "SHARE", "HELD_OUT", "CLEAR", "TIES"),
+    "guard": ("CLEAR",),
     "judge.structures": ("_COUNTS",),
     "see.friction": ("_ANGLES", "_EACH"),
     "see.envelope": ("_NODES",),
@@ -43,7 +44,8 @@ SETTINGS = {
     "move.own_frequency": ("_SUBSTANTIAL", "_FEWEST"),
     "move.refit": ("_BETTER",),
 }  # fmt: skip
-SHARES = {"PROBABLE", "_ALIKE"}  # below 1: what they leave of 1 is halved and doubled
+CRITERION = [one.name for one in fields(guard.USUAL)]
+SHARES = {"probable", "_ALIKE"}  # below 1: what they leave of 1 is halved and doubled
 RATIOS = {"_FELL_SHORT", "_LOUDER"}  # above 1: what they have beyond 1 is
 
 
@@ -99,9 +101,10 @@ def _forget(module):
             one.cache_clear()
 
 
-def told(one, base, rounds=4):
+def told(one, base, rounds=4, criterion=guard.USUAL):
     """Return what is compared of a campaign's verdict."""
-    found = verdict([summary(state, one) for state in discover(one, base, rounds)], base.catalogue)
+    states = discover(one, base, rounds, criterion=criterion)
+    found = verdict([summary(state, one) for state in states], base.catalogue)
     return found["status"], {each["name"]: tuple(each["tied_with"]) for each in found["effects"]}
 
 
@@ -132,6 +135,11 @@ def main(argv=None):
     )
     parser.add_argument("--pickles", type=Path)
     given = parser.parse_args(argv)
+
+    def asked(room, names):
+        """Those of a room's settings that are wanted."""
+        return [name for name in names if any(text in f"{room}.{name}" for text in given.only)]
+
     makers = {name: partial(frozen, *parts) for name, parts in CAMPAIGNS.items()}
     if given.pickles:
         makers |= {
@@ -141,21 +149,31 @@ def main(argv=None):
     made = {name: make() for name, make in makers.items() if any(text in name for text in given.campaigns)}
     usual = {name: told(*one) for name, one in made.items()}
     print(f"| setting | is | halved | doubled | of {len(made)} verdicts |\n|---|---|---|---|---|", flush=True)
+
+    def row(name, is_now, tried):
+        """One line: how many verdicts change with half the setting, and with twice, and whose."""
+        cells = [[one for one in made if now[one] != usual[one]] for now in tried]
+        which = ", ".join(dict.fromkeys([*cells[0], *cells[1]]))
+        print(f"| `{name}` | {is_now} | {len(cells[0])} | {len(cells[1])} | {which} |", flush=True)
+
+    def all_told(**options):
+        return {one: told(*parts, **options) for one, parts in made.items()}
+
+    for name in asked("criterion", CRITERION):
+        is_now = getattr(guard.USUAL, name)
+        others = [replace(guard.USUAL, **{name: scaled(name, is_now, factor)}) for factor in (0.5, 2)]
+        row(f"criterion.{name}", is_now, [all_told(criterion=other) for other in others])
     for room, names in SETTINGS.items():
         module = importlib.import_module(f"swingdown.discovery.{room}")
-        for name in names:
-            if not any(text in f"{room}.{name}" for text in given.only):
-                continue
-            is_now, cells = getattr(module, name), []
+        for name in asked(room, names):
+            is_now, tried = getattr(module, name), []
             for factor in (0.5, 2):
                 back = changed(module, name, factor)
                 try:
-                    now = {one: told(*parts) for one, parts in made.items()}
+                    tried.append(all_told())
                 finally:
                     back()
-                cells.append([one for one in made if now[one] != usual[one]])
-            which = ", ".join(dict.fromkeys([*cells[0], *cells[1]]))
-            print(f"| `{room}.{name}` | {is_now} | {len(cells[0])} | {len(cells[1])} | {which} |", flush=True)
+            row(f"{room}.{name}", is_now, tried)
 
 
 if __name__ == "__main__":

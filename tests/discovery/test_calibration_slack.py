@@ -7,6 +7,7 @@ import pytest
 
 from swingdown.discovery.data.campaign import Swing, campaign
 from swingdown.discovery.data.noise import Noise
+from swingdown.discovery.guard import USUAL
 from swingdown.discovery.judge import findings
 from swingdown.discovery.search import discover
 from swingdown.discovery.tell import files
@@ -77,5 +78,5 @@ def test_what_held_out_swings_need_not_confirm_they_may_refute(with_it, left):
         model = SimpleNamespace(slack=SimpleNamespace(names=("sensor_zero",)))
         return SimpleNamespace(fit=SimpleNamespace(rms=rms, n=300, model=model), left=lambda noise: share)
 
-    pool = SimpleNamespace(noise=Noise(1.0), held_out=lambda fit: fit)
+    pool = SimpleNamespace(criterion=USUAL, noise=Noise(1.0), held_out=lambda fit: fit)
     assert findings._whole(pool, structure(with_it, 0.1), structure(0.95, 1.0))[1] == left

@@ -9,6 +9,7 @@ from scipy.signal import lfilter
 
 from swingdown.discovery.data.campaign import Swing, campaign
 from swingdown.discovery.data.noise import Noise
+from swingdown.discovery.guard import USUAL
 from swingdown.discovery.judge.findings import _shown, judged, told_of
 from swingdown.discovery.judge.structures import Pool
 from swingdown.discovery.see.envelope import Seen, _stretch, amplitudes, seen
@@ -220,6 +221,7 @@ def test_recordings_that_do_not_lose_alike_show_nothing():
 @pytest.mark.parametrize(("gain", "sure"), [(-5.0, 0.0), (0.0, 0.999), (np.nan, 0.999)])
 def test_a_friction_that_the_envelope_makes_improbable_is_not_seen(gain, sure):
     pool = SimpleNamespace(
+        criterion=USUAL,
         frictions=lambda: ["constant_coulomb"],
         known={frozenset(["viscous"]): SimpleNamespace(evidence=0.0, rubs=0.999)},
         unlike_the_base=lambda kind: (FRICTION, kind),
@@ -238,6 +240,7 @@ def test_a_drag_is_sure_by_swings_or_amplitudes_unless_these_speak_against_it(
 ):
     """Or unless nothing may be missing without it: amplitudes of a false unit lose as by another law."""
     pool = SimpleNamespace(
+        criterion=USUAL,
         unlike_the_base=lambda kind: (SQUARE, kind),
         envelope=lambda laws: Seen(gain, share, 0.3),
         of=lambda names: of_swings,

@@ -8,7 +8,7 @@ import pytest
 
 from swingdown.discovery.data.campaign import Swing, campaign
 from swingdown.discovery.data.noise import Noise
-from swingdown.discovery.guard import Doubt, doubt
+from swingdown.discovery.guard import USUAL, Doubt
 from swingdown.discovery.judge import findings
 from swingdown.discovery.judge.confirm import predict
 from swingdown.discovery.judge.findings import Finding, judged, told_of
@@ -235,8 +235,10 @@ def test_a_drag_is_asked_of_what_only_a_drag_could_do_where_held_out_swings_lack
     """Most of what is missing goes with it, of held-out swings too little: what these lack beside it tells nothing of a drag."""
     monkeypatch.setattr(findings, "_whole", lambda *_: (0.1, 0.7, 5.0))
     monkeypatch.setattr(findings, "_of_friction", lambda *_: (0.15, 0.15))
-    there = SimpleNamespace(left=lambda _: 1.0, fit=SimpleNamespace(model=Model("viscous")), loses_more=False)
-    pool = SimpleNamespace(lacking=lambda *_: [there], noise=None)
+    there = SimpleNamespace(left=lambda _: 1.0, fit=SimpleNamespace(model=Model("viscous")))
+    pool = SimpleNamespace(
+        lacking=lambda *_: [there], noise=None, criterion=USUAL, loses_more=lambda _: False
+    )
     assert findings._asked(pool, there, "quadratic_drag", ["quadratic_drag"], findings.Finding(1.0)).sure
     assert findings._asked(pool, there, "cubic_stiffness", ["cubic_stiffness"], findings.Finding(1.0)).doubt
 
@@ -249,7 +251,7 @@ def _judged(*wanted):
         shares = found[best.key]
         assert best.key == max(found, key=len) or most.key == max(found, key=len)
         return {
-            name: Finding(1.0, share=share, held_out=held, doubt=doubt(1.0, share, held))
+            name: Finding(1.0, share=share, held_out=held, doubt=USUAL.doubt(1.0, share, held))
             for name, (share, held) in shares.items()
         }
 
@@ -263,7 +265,10 @@ def test_what_held_out_swings_speak_against_is_not_in_the_model_that_is_told(mon
     both, one = frozenset(("magnet", "detent")), frozenset(("magnet",))
     structures = {key: SimpleNamespace(key=key) for key in (both, one)}
     pool = SimpleNamespace(
-        nothing=lambda: 1.0, added=sorted, lacking=lambda here, names: [structures[here.key - set(names)]]
+        criterion=USUAL,
+        nothing=lambda: 1.0,
+        added=sorted,
+        lacking=lambda here, names: [structures[here.key - set(names)]],
     )
     given = {"magnet": (0.05, 0.1), "detent": (share, held)}
     monkeypatch.setattr(findings, "judged", _judged((both, given), (one, {"magnet": (0.1, 0.2)})))
@@ -279,6 +284,7 @@ def test_an_effect_that_cannot_be_left_out_keeps_no_other_one():
     )
     structures = {two: [SimpleNamespace(key=two)]}
     pool = SimpleNamespace(
+        criterion=USUAL,
         nothing=lambda: 1.0,
         added=sorted,
         lacking=lambda here, names: structures.get(here.key - set(names), []),
@@ -320,7 +326,7 @@ def test_an_effect_is_told_from_a_simpler_one_as_it_is_from_nothing(monkeypatch,
     model = Model("viscous+presliding")
     best = SimpleNamespace(key=frozenset(model.names), fit=SimpleNamespace(model=model))
     known = {best.key: best, frozenset(("viscous", "constant_coulomb")): best}
-    pool = SimpleNamespace(known=known, base=frozenset(["viscous"]))
+    pool = SimpleNamespace(criterion=USUAL, known=known, base=frozenset(["viscous"]))
     assert findings._simpler(pool, best, "presliding", ()) == ties
 
 
@@ -328,6 +334,7 @@ def test_an_effect_is_told_from_a_simpler_one_as_it_is_from_nothing(monkeypatch,
 def test_a_drag_of_which_more_laws_are_possible_than_a_tie_has_is_told_as_one(monkeypatch, of_four, law_open):
     kind = ["viscous", "quadratic_drag", "power_law_drag", "eddy_brake", "structural_damping"]
     pool = SimpleNamespace(
+        criterion=USUAL,
         of=lambda names: of_four if len(list(names)) < len(kind) else 0.997,
         first=SimpleNamespace(fit=SimpleNamespace(model=Model("constant_coulomb"))),
         sees_friction=lambda: 0.0,
@@ -352,11 +359,11 @@ def test_beside_a_damping_that_is_sure_without_a_name_nothing_is_surer_than_it_w
     }
     monkeypatch.setattr(findings, "_naming", lambda *_: named)
     monkeypatch.setattr(findings, "judged", lambda pool, best, most=None: found[best.key])
-    last, said = told_of(None, most)
+    last, said = told_of(SimpleNamespace(criterion=USUAL), most)
     assert last is named
     assert {name for name, one in said.items() if one.sure} == told
 
 
 def test_where_nothing_is_missing_no_friction_is_looked_for():
     best = SimpleNamespace(key=frozenset(["viscous"]))
-    assert findings._naming(SimpleNamespace(nothing=lambda: 0.5), best) is best
+    assert findings._naming(SimpleNamespace(criterion=USUAL, nothing=lambda: 0.5), best) is best

@@ -9,6 +9,7 @@ import pytest
 
 from swingdown.discovery.data.campaign import Swing, campaign
 from swingdown.discovery.data.noise import Noise, coarse_noise
+from swingdown.discovery.guard import Criterion
 from swingdown.discovery.move import refit as guarded
 from swingdown.discovery.move.admissible import inadmissible
 from swingdown.discovery.move.candidates import without
@@ -105,6 +106,20 @@ def test_an_effect_that_is_not_there_and_one_of_the_base_that_idles_are_not_in_t
     found = verdict([summary(state, two) for state in states])
     assert found["removed"] == ["structural_damping"]
     assert found["probabilities"].get("clock_drift", 0.0) < 0.05
+
+
+def test_another_criterion_tells_what_is_asserted_and_stands_in_the_verdict(two):
+    allowed, strict = ("quadratic_drag", "quadratic_stiffness"), Criterion(share=1e-9)
+
+    def told(**options):
+        states = discover(two, "viscous", allowed=allowed, **options)
+        return verdict([summary(state, two) for state in states])
+
+    usual, found = told(), told(criterion=strict)
+    names = [{one["name"] for one in each["effects"]} for each in (usual, found)]
+    assert names[0] == set(allowed) and "quadratic_stiffness" not in names[1]
+    assert (usual["guard"]["share"], found["guard"]["share"]) == (0.2, 1e-9)
+    assert "false_alarms" in usual["guard"] and "false_alarms" not in found["guard"]
 
 
 def test_the_rounds_lead_on_from_one_another_and_the_last_is_judged(two):

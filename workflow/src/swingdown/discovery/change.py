@@ -29,7 +29,7 @@ from ..studies.power_laws import PowerLaw, power_law
 from .budget import Budget
 from .data.campaign import Campaign, Swing
 from .data.noise import Noise
-from .guard import POSSIBLE, PROBABLE, SHARE, TIES
+from .guard import USUAL
 from .move.candidates import additions, starts_to_add
 from .move.refit import FAILURES, opened, refit
 from .rounds import first_fit, noise_of
@@ -283,10 +283,10 @@ def _told(rivals: Sequence[_Rival], every: Campaign, changed: Mapping[str, Value
     order = np.argsort(-shares)
     first = rivals[order[0]]
     ties, chance = [], float(shares[order[0]])
-    for k in order[1:TIES]:
+    for k in order[1 : USUAL.ties]:
         if (
-            chance >= PROBABLE
-            or shares[k] < POSSIBLE / TIES
+            chance >= USUAL.probable
+            or shares[k] < USUAL.possible / USUAL.ties
             or rivals[k].effect in (None, NATURAL_FREQUENCY.name)
         ):
             break
@@ -295,7 +295,7 @@ def _told(rivals: Sequence[_Rival], every: Campaign, changed: Mapping[str, Value
     if first.effect is None:
         return Difference(changed, None, tuple(ties), chance, first.share)
     frequency = _sizes(first.fit, swings, NATURAL_FREQUENCY.name)
-    if chance < PROBABLE or first.share > SHARE:
+    if chance < USUAL.probable or first.share > USUAL.share:
         return Difference(changed, None, tuple(ties), chance, first.share, frequency=frequency)
     own = first.fit.model.own
     sizes = _sizes(first.fit, swings, own[0]) if own else frequency

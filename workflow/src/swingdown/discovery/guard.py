@@ -1,26 +1,20 @@
-"""What decides a verdict: its numbers, each once (guard.yaml), and the doubts that they leave.
+"""What decides a verdict: its numbers, each once (guard.yaml), the ``Criterion`` that they make, and the doubts that it leaves.
 
-- ``PROBABLE``: the probability of an effect, or of a tie, at which it is asserted: one of twenty may be wrong. What is improbable to the
-  same degree (``POSSIBLE``) is left out.
-- ``SHARE``: of what the model lacks without an effect, so much may be left with it. What leaves more is not the thing that is missing.
-- ``HELD_OUT``: the same of swings that no fit has seen, which know nothing of how the effect was chosen.
-- ``CLEAR``: standard errors that a size must be from nothing to be tried, or a shape from what would make its effect a simpler one.
-- ``TIES``: the names of a tie at most; what has more is not told apart.
+``CLEAR`` is of estimates: standard errors that a size must be from nothing to be tried, or a shape from what would make its effect a simpler one.
 """
 
+from dataclasses import dataclass
 from enum import StrEnum
 from importlib import resources
+from typing import Any
 
 import numpy as np
 import yaml
 
 from ..sealed import read_text
 
-GUARD = yaml.safe_load(read_text(str(resources.files(__package__) / "guard.yaml")))
-PROBABLE, SHARE, HELD_OUT, CLEAR, TIES = (
-    GUARD[name] for name in ("probable", "share", "held_out", "clear", "ties")
-)
-POSSIBLE = 1 - PROBABLE
+GUARD: dict[str, Any] = yaml.safe_load(read_text(str(resources.files(__package__) / "guard.yaml")))
+CLEAR: float = GUARD["clear"]
 
 
 class Doubt(StrEnum):
@@ -37,19 +31,48 @@ class Doubt(StrEnum):
     TOO_SLOW = "{parameter} is less than one in the longest recording"
 
 
-def doubt(probability: float, share: float, held_out: float) -> Doubt | None:
-    """The ``Doubt`` of an effect of that probability, with which such shares are left; None where it is told."""
-    doubts = {
-        Doubt.IMPROBABLE: probability < PROBABLE,
-        Doubt.IDLE: np.isinf(share),
-        Doubt.REMAINS: share > SHARE,
-        Doubt.NOT_ASKED: np.isinf(held_out),
-        Doubt.NOT_CONFIRMED: held_out > HELD_OUT,
-    }
-    return next((one for one, there in doubts.items() if there), None)
+@dataclass(frozen=True)
+class Criterion:
+    """What an effect must be to be told: ``discover`` takes another one as well.
+
+    Parameters
+    ----------
+    probable
+        The probability of an effect, or of a tie, at which it is asserted: of 0.95 one of twenty may be wrong.
+    share
+        Of what the model lacks without an effect, so much may be left with it. What leaves more is not the thing that is missing.
+    held_out
+        The same of swings that no fit has seen, which know nothing of how the effect was chosen.
+    ties
+        The names of a tie at most; what has more is not told apart.
+    """
+
+    probable: float = GUARD["probable"]
+    share: float = GUARD["share"]
+    held_out: float = GUARD["held_out"]
+    ties: int = GUARD["ties"]
+
+    @property
+    def possible(self) -> float:
+        """The probability below which anything is improbable, and left out."""
+        return 1 - self.probable
+
+    def doubt(self, probability: float, share: float, held_out: float) -> Doubt | None:
+        """The ``Doubt`` of an effect of that probability, with which such shares are left; None where it is told."""
+        doubts = {
+            Doubt.IMPROBABLE: probability < self.probable,
+            Doubt.IDLE: np.isinf(share),
+            Doubt.REMAINS: share > self.share,
+            Doubt.NOT_ASKED: np.isinf(held_out),
+            Doubt.NOT_CONFIRMED: held_out > self.held_out,
+        }
+        return next((one for one, there in doubts.items() if there), None)
+
+    def over_bounds(self, shares: tuple[float, float]) -> float:
+        """What the larger of (share, the same of held-out swings) is, each of the most that may be left: above one an effect leaves too much to
+        be the thing that is missing."""
+        return max(shares[0] / self.share, shares[1] / self.held_out)
 
 
-def over_bounds(shares: tuple[float, float]) -> float:
-    """What the larger of (share, the same of held-out swings) is, each of the most that may be left: above one an effect leaves too much to
-    be the thing that is missing."""
-    return max(shares[0] / SHARE, shares[1] / HELD_OUT)
+USUAL = Criterion()
+"""The ``Criterion`` of guard.yaml, with which the trials were made."""

@@ -14,7 +14,7 @@ from ..pendulum.model import Model
 from ..pendulum.slack import Slack
 from .data.campaign import Campaign
 from .data.noise import Noise, coarse_noise, measure_noise
-from .guard import POSSIBLE
+from .guard import USUAL, Criterion
 from .judge.confirm import predict
 from .judge.structures import Pool, Structure
 from .move.evidence import Candidate, evidence
@@ -44,11 +44,11 @@ def noise_of(campaign: Campaign, fit: Fit) -> Noise:
     return next(iter(likely)) if len(likely) == 1 else _most_probable(campaign, fit, fit, likely).noise
 
 
-def pool_of(campaign: Campaign, fit: Fit, base: Fit | None = None) -> Pool:
+def pool_of(campaign: Campaign, fit: Fit, base: Fit | None = None, criterion: Criterion = USUAL) -> Pool:
     """The structures of a fit and of its ``base`` (default: itself), seen near the fit and under its noise (``noise_of``). The pendulum's
     frequency is that of the base."""
     base = base or fit
-    return _most_probable(campaign, fit, base, _likely(campaign, fit, base))
+    return _most_probable(campaign, fit, base, _likely(campaign, fit, base), criterion)
 
 
 def _likely(campaign: Campaign, fit: Fit, base: Fit) -> dict[Noise, float]:
@@ -60,12 +60,14 @@ def _likely(campaign: Campaign, fit: Fit, base: Fit) -> dict[Noise, float]:
     measured = measure_noise(residuals, frequency, campaign.static, len(fit.free))
     likely = {coarse_noise(noise, swings, frequency): how for noise, how in measured.items()}
     most = max(likely.values())
-    return {noise: how for noise, how in likely.items() if how > most + np.log(POSSIBLE)}
+    return {noise: how for noise, how in likely.items() if how > most + np.log(USUAL.possible)}
 
 
-def _most_probable(campaign: Campaign, fit: Fit, base: Fit, likely: Mapping[Noise, float]) -> Pool:
+def _most_probable(
+    campaign: Campaign, fit: Fit, base: Fit, likely: Mapping[Noise, float], criterion: Criterion = USUAL
+) -> Pool:
     first, *others = likely
-    pool = Pool(campaign, first, base, fit)
+    pool = Pool(campaign, first, base, fit, criterion=criterion)
     pool.look(fit)
     return max((pool, *map(pool.under, others)), key=lambda one: likely[one.noise] + one.absolute)
 
@@ -97,6 +99,7 @@ def round_of(
         number, fit, pool.held_out(fit), noise, tuple(groups(here.frame, noise)), missing(here.frame, noise),
         table, tuple(pool.added(here.key)), pool.lacks(here), here.left(noise), here.widened,
         tuple(ranked), _tied(pool, ranked), None if to is None else _move(here.fit, to.fit, noise),
+        criterion=pool.criterion,
     )  # fmt: skip
 
 

@@ -26,7 +26,7 @@ from ..pendulum.model import Model, as_model
 from ..studies.scale import scale_of
 from .budget import Budget
 from .data.campaign import Campaign
-from .guard import POSSIBLE
+from .guard import USUAL, Criterion
 from .judge.findings import told_of
 from .judge.structures import Key, Structure
 from .move.candidates import without
@@ -49,6 +49,7 @@ def discover(
     rounds: int = 4,
     allowed: Collection[str] | None = None,
     budget_s: float | None = None,
+    criterion: Criterion = USUAL,
 ) -> list[Round]:
     """The rounds of a search, from the base model to the most probable structure; the last round is judged.
 
@@ -64,6 +65,8 @@ def discover(
         The effects that may be added. Default: all of the catalogue.
     budget_s
         Seconds (``Budget``) after which nothing new is begun; the last round says so. None: no end.
+    criterion
+        What is told of what is found.
 
     Returns
     -------
@@ -78,7 +81,7 @@ def discover(
     begun = first_fit(campaign, as_model(base))
     try:
         with threadpool_limits(1, "blas"):  # matrices so small that threads only wait for one another
-            search = _Search(campaign, allowed, Budget(budget_s), begun)
+            search = _Search(campaign, allowed, Budget(budget_s), begun, criterion)
             return search.told(search.searched(rounds))
     except FAILURES as problem:
         return [replace(unseen(campaign, begun), reason="the search broke off", failed=str(problem))]
@@ -87,12 +90,19 @@ def discover(
 class _Search:
     """A search on its way."""
 
-    def __init__(self, campaign: Campaign, allowed: Collection[str] | None, budget: Budget, begun: Fit):
+    def __init__(
+        self,
+        campaign: Campaign,
+        allowed: Collection[str] | None,
+        budget: Budget,
+        begun: Fit,
+        criterion: Criterion,
+    ):
         self.campaign, self.allowed, self.budget = campaign, allowed, budget
-        self.pool = pool_of(campaign, begun)
+        self.pool = pool_of(campaign, begun, criterion=criterion)
         base = opened(begun, campaign.fit, campaign.slack, self.pool.noise)
         if base is not begun:
-            self.pool = pool_of(campaign, base)
+            self.pool = pool_of(campaign, base, criterion=criterion)
         self.ranked: dict[Key, list[Candidate]] = {}  # by structure, what was tried there
         self.with_laws: set[Key] = set()  # what each law of damping was tried beside
 
@@ -102,7 +112,11 @@ class _Search:
         while len(way) <= rounds and not self._ended(way[-1]):
             self._look_around(way[-1])
             self._heard(self._settled())
-            if self.pool.best.whole < 0.5 and self.pool.nothing() <= POSSIBLE and not self.budget.spent:
+            if (
+                self.pool.best.whole < 0.5
+                and self.pool.nothing() <= self.pool.criterion.possible
+                and not self.budget.spent
+            ):
                 self._look_at_pairs(way[-1])
             best = self._settled()
             if best.key in [one.key for one in way]:
@@ -114,7 +128,7 @@ class _Search:
             if best.key == way[-1].key:
                 break
             way = [*(one for one in way if one.key != best.key), best]
-        if self.pool.nothing() > POSSIBLE:
+        if self.pool.nothing() > self.pool.criterion.possible:
             way = [self.pool.first, *(one for one in self.pool.bases[:1] if one.key != self.pool.first.key)]
         way = [self.pool.known[one.key] for one in way if one.key in self.pool.known]
         return [way[0], *way[1:][-rounds:]] if rounds else way[:1]
@@ -178,7 +192,7 @@ class _Search:
         """The experiment that tells the two most probable structures apart; None where the first is sure."""
         shares = self.pool.probabilities()
         known = sorted(self.pool.known.values(), key=lambda one: -shares[one.key])[:2]
-        if len(known) < 2 or not (state.missing or shares[known[1].key] > POSSIBLE):
+        if len(known) < 2 or not (state.missing or shares[known[1].key] > self.pool.criterion.possible):
             return None
         return next_swing(known[0].fit, known[1].fit, self.campaign, self.pool.noise)
 
@@ -230,7 +244,7 @@ class _Search:
         torques are those that act on its swings."""
         if best.fit is self.pool.near:
             return
-        heard = pool_of(self.campaign, best.fit, self.pool.first.fit)
+        heard = pool_of(self.campaign, best.fit, self.pool.first.fit, self.pool.criterion)
         # no noise is more than what some structure leaves
         least = min(one.fit.rms for one in self.pool.known.values())
         if heard.noise.deviation > max(_LOUDER * least, self.pool.noise.deviation):

@@ -10,6 +10,7 @@ import pandas as pd
 from ..fitting.result import Fit
 from ..pendulum.model import Model
 from .data.noise import Noise
+from .guard import USUAL, Criterion
 from .judge.findings import Finding
 from .move.evidence import Candidate, evidence
 from .next.proposal import NextSwing
@@ -50,6 +51,7 @@ class Round:
     unit_doubt: str = ""  # in words, where the swings are a pendulum's in another unit
     failed: str = ""  # why the search broke off, where it did
     counting: tuple[tuple[float, Fit], ...] = ()  # how much each structure counts where a value is told
+    criterion: Criterion = USUAL  # by which it is judged
     concluded: dict[str, Any] | None = None  # what ``conclusion.conclusion`` gives
 
     @property

@@ -14,7 +14,7 @@ from ...engine.trajectory import TrajectoryError
 from ...pendulum.effect import NATURAL_FREQUENCY, VARIABLES, Contained
 from ...pendulum.formula import evaluate
 from ..data.noise import Noise
-from ..guard import CLEAR, POSSIBLE, PROBABLE, TIES, Doubt, doubt, over_bounds
+from ..guard import CLEAR, Doubt
 from ..move.laws import damping
 from ..see import friction
 from ..see.envelope import Seen
@@ -99,7 +99,7 @@ def told_of(pool: Pool, best: Structure) -> tuple[Structure, dict[str, Finding]]
     while little := {
         name: over
         for name, one in found.items()
-        if (over := over_bounds((one.share, one.held_out))) > 1 and not one.sure
+        if (over := pool.criterion.over_bounds((one.share, one.held_out))) > 1 and not one.sure
     }:
         fewer = _fewer(pool, here, sorted(little, key=lambda name: -little[name]))
         if fewer is None:
@@ -116,11 +116,11 @@ def _fewer(pool: Pool, here: Structure, names: Sequence[str]) -> Structure | Non
 
 def _naming(pool: Pool, best: Structure) -> Structure:
     """The most probable structure that names each kind of damping which is sure without a name, where anything is missing."""
-    if pool.nothing() > POSSIBLE:
+    if pool.nothing() > pool.criterion.possible:
         return best
     shown = {kind: _shown(pool, kind()) for kind in (pool.frictions, pool.drags)}
     wanted = [like for one, like in shown.values() if one]
-    if not pool.frictions(pool.base) and pool.of_friction() >= PROBABLE:
+    if not pool.frictions(pool.base) and pool.of_friction() >= pool.criterion.probable:
         wanted.append(pool.frictions())
 
     def named(one: Structure) -> bool:
@@ -138,9 +138,9 @@ def _shown(pool: Pool, kind: Sequence[str]) -> tuple[Seen | None, list[str]]:
     laws, like = pool.unlike_the_base(kind)
     one = pool.envelope(laws)
     # by the swings or by the envelope, unless the latter makes it improbable, or nothing may be missing without it
-    sure = one.chance >= POSSIBLE and max(one.chance, pool.of(like)) >= PROBABLE
-    sure = sure and pool.whole_without(like) <= POSSIBLE
-    sure = sure and over_bounds((one.share, one.held_out)) <= 1
+    sure = one.chance >= pool.criterion.possible and max(one.chance, pool.of(like)) >= pool.criterion.probable
+    sure = sure and pool.whole_without(like) <= pool.criterion.possible
+    sure = sure and pool.criterion.over_bounds((one.share, one.held_out)) <= 1
     return one if sure else None, like
 
 
@@ -151,9 +151,9 @@ def _finding(pool: Pool, best: Structure, name: str, alike: Sequence[Structure])
     others = {one for key in pool.known for one in pool.added(key)} - same - best.key
     ties = simpler
     chance = pool.of(same)
-    while chance < PROBABLE and len(ties) + 1 < TIES and others:
+    while chance < pool.criterion.probable and len(ties) + 1 < pool.criterion.ties and others:
         nearest = max(sorted(others), key=lambda one: pool.of([*same, *ties, one]))
-        if pool.of([*same, *ties, nearest]) - chance < POSSIBLE / TIES:
+        if pool.of([*same, *ties, nearest]) - chance < pool.criterion.possible / pool.criterion.ties:
             break
         ties.append(nearest)
         others.discard(nearest)
@@ -180,17 +180,17 @@ def _as_one(
             one
             for one in kind
             if one in names
-            or pool.of([one]) >= POSSIBLE
+            or pool.of([one]) >= pool.criterion.possible
             or (one in everyday and model.catalogue.powers_lost(one) <= lost)
         ),
         key=lambda one: -pool.of([one]),
     )
     ties = tuple(one for one in dict.fromkeys([*_simpler(pool, best, name, alike), *others]) if one != name)[
-        : TIES - 1
+        : pool.criterion.ties - 1
     ]
-    rubs, open_ = model.catalogue.rubs(name), pool.of([name, *ties]) < PROBABLE
+    rubs, open_ = model.catalogue.rubs(name), pool.of([name, *ties]) < pool.criterion.probable
     chance = max(pool.of_friction() if rubs else pool.of(kind), shown.chance if shown else 0.0)
-    seen = shown is not None or (rubs and pool.sees_friction() >= PROBABLE)
+    seen = shown is not None or (rubs and pool.sees_friction() >= pool.criterion.probable)
     one = _asked(pool, best, name, names, Finding(chance, ties, law_open=open_))
     if one.sure or not seen:
         return one
@@ -210,10 +210,10 @@ def _asked(pool: Pool, best: Structure, name: str, names: Sequence[str], one: Fi
     without = min(near, key=lambda other: other.left(pool.noise))
     share, held, rms = _whole(pool, best, without)
     damps = best.fit.model.catalogue.damps(name)
-    if over_bounds((share, held)) > 1 and damps:
-        share, held = min((share, held), _of_friction(pool, best, without), key=over_bounds)
-    why = doubt(one.probability, share, held)
-    law_open = one.law_open or (why is None and damps and best.loses_more)
+    if pool.criterion.over_bounds((share, held)) > 1 and damps:
+        share, held = min((share, held), _of_friction(pool, best, without), key=pool.criterion.over_bounds)
+    why = pool.criterion.doubt(one.probability, share, held)
+    law_open = one.law_open or (why is None and damps and pool.loses_more(best))
     return replace(one, share=share, held_out=held, without=rms, doubt=why, law_open=law_open)
 
 
@@ -242,7 +242,7 @@ def _simpler(pool: Pool, best: Structure, name: str, alike: Sequence[Structure])
         for one in inside
         if _with(best.key, name, one) in pool.known
     ]
-    found = [one for one, there in known if over_bounds(_whole(pool, best, there)[:2]) > 1]
+    found = [one for one, there in known if pool.criterion.over_bounds(_whole(pool, best, there)[:2]) > 1]
     return list(dict.fromkeys([*_nearly(alike, name), *found]))
 
 

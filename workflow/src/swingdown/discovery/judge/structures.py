@@ -18,7 +18,7 @@ from ...fitting.result import Fit
 from ...pendulum.effect import NATURAL_FREQUENCY
 from ..data.campaign import Campaign
 from ..data.noise import Noise
-from ..guard import POSSIBLE
+from ..guard import USUAL, Criterion
 from ..move.admissible import at_its_bound
 from ..move.candidates import without
 from ..move.refit import FAILURES, refit
@@ -67,13 +67,6 @@ class Structure:
         return (1 - self.whole) * float(erf(max(clear, 0.0) / np.sqrt(2)))
 
     @property
-    def loses_more(self) -> bool:
-        """Whether it surely lacks something that does most as a torque over angle, speed and side would: none of its laws of damping is the
-        whole of what takes energy then."""
-        sizes = self.lacks.sizes
-        return self.whole < POSSIBLE and max(sizes, key=lambda kind: sizes[kind]) == DISSIPATIVE
-
-    @property
     def widened(self) -> dict[str, float]:
         """By how much the standard error of each shared value is larger for what may be missing, weighed by how probable that is."""
         return {
@@ -102,8 +95,10 @@ class Pool:
         base: Fit,
         near: Fit | None = None,
         unnamed: Unnamed | None = None,
+        criterion: Criterion = USUAL,
     ):
         self.campaign, self.noise, self.base, self.near = campaign, noise, key_of(base), near or base
+        self.criterion = criterion
         period = 2 * np.pi / base.model.values[NATURAL_FREQUENCY.name]
         self._unnamed = unnamed or Unnamed(self.near, campaign.fit, period, noise)
         self._each = float(np.log(len(base.model.catalogue)))
@@ -176,11 +171,18 @@ class Pool:
         known = self.known.get(key_of(fit))
         return -np.inf if known is None else known.evidence
 
+    def loses_more(self, one: Structure) -> bool:
+        """True where a structure surely lacks something that does most as a torque over angle, speed and side would: none of its laws of
+        damping is the whole of what takes energy then."""
+        sizes = one.lacks.sizes
+        most = max(sizes, key=lambda kind: sizes[kind])
+        return one.whole < self.criterion.possible and most == DISSIPATIVE
+
     def lacks(self, one: Structure) -> bool:
         """True where something is missing beside a structure: of one that adds nothing, unless it may be that nothing is; of others, what
         is probable and above the noise."""
         if not self.added(one.key):
-            return self.nothing() <= POSSIBLE
+            return self.nothing() <= self.criterion.possible
         return one.whole < 0.5 and one.left(self.noise) > self.noise.deviation
 
     def _seen(self, fit: Fit, there: Frame) -> Structure:
@@ -192,7 +194,9 @@ class Pool:
 
     def under(self, noise: Noise) -> "Pool":
         """The same structures under another noise."""
-        found = Pool(self.campaign, noise, self.first.fit, self.near, self._unnamed.under(noise))
+        found = Pool(
+            self.campaign, noise, self.first.fit, self.near, self._unnamed.under(noise), self.criterion
+        )
         found.take(self)
         return found
 
@@ -266,14 +270,15 @@ class Pool:
         shares = np.exp(logs - np.logaddexp.reduce(logs))
         seen = sum(float(share) * one.rubs for share, one in zip(shares, unnamed, strict=True))
         shown = self.envelope(self.unlike_the_base(self.frictions())[0])
-        return 0.0 if shown.chance < POSSIBLE else seen
+        return 0.0 if shown.chance < self.criterion.possible else seen
 
     def envelope(self, laws: frozenset[int]) -> Seen:
         """What the envelope shows of losses of these ``laws`` (``powers_lost``); its ``gain`` is that of a name. Nothing where an effect has a
         size of its own in each recording: they do not lose alike."""
         if laws not in self._envelopes:
-            of = self._amplitudes
-            found = seen(of, laws) if laws and not self.first.fit.model.own else NOT_SEEN
+            found = NOT_SEEN
+            if laws and not self.first.fit.model.own:
+                found = seen(self._amplitudes, laws, self.criterion.possible)
             self._envelopes[laws] = found._replace(gain=found.gain - self._each)
         return self._envelopes[laws]
 

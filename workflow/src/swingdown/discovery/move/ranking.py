@@ -11,7 +11,7 @@ from ...fitting.result import Begin, Fit
 from ...pendulum.effect import NATURAL_FREQUENCY
 from ..budget import Budget
 from ..data.noise import Noise
-from ..guard import POSSIBLE
+from ..guard import USUAL
 from ..see.linear import Frame, frame
 from .admissible import hopeless, inadmissible, leaves_noise
 from .candidates import Start, additions, starts_to_add, starts_to_drop, starts_to_exchange, without
@@ -89,7 +89,7 @@ def _may_pay(here: Frame, starts: Sequence[Start], noise: Noise) -> bool:
     """True where twice what a linear step promises would make the model with these effects possible: its evidence has a price."""
     catalogue, count = here.fit.model.catalogue, 1 + len(starts[0].also)
     price = count * (np.log(len(catalogue)) + 0.5 * np.log(noise.effective(here.fit.n)))
-    return bool(starts[0].predicted / noise.slow_variance > price + np.log(POSSIBLE))
+    return bool(starts[0].predicted / noise.slow_variance > price + np.log(USUAL.possible))
 
 
 def _first(starts: list[Start]) -> list[Start]:

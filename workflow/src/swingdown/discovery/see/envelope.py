@@ -20,7 +20,7 @@ from scipy.special import expit, softmax
 from ...arrays import Bools, Floats
 from ...studies.half_swings import steps_between
 from ..data.campaign import Campaign, Swing
-from ..guard import POSSIBLE
+from ..guard import USUAL
 from .linear import orthonormal
 from .losses import half_swings
 
@@ -109,8 +109,9 @@ def _within(times: Floats, swings: Sequence[Swing]) -> Bools:
     return np.any([(one.times[0] <= times) & (times <= one.times[-1]) for one in swings], axis=0)
 
 
-def seen(of: Sequence[Stretch], laws: Collection[int]) -> Seen:
-    """What losses as these powers of the amplitude do for the envelope, beside losses as the others."""
+def seen(of: Sequence[Stretch], laws: Collection[int], possible: float = USUAL.possible) -> Seen:
+    """What losses as these powers of the amplitude do for the envelope, beside losses as the others. A law is none of theirs below
+    this probability."""
     fitted = np.concatenate([one.fitted for one in of]) if of else np.zeros(0, bool)
     free = sum(bool(one.fitted.any()) for one in of) + (of[0].lost.shape[1] if of else 0)
     count = int(np.count_nonzero(fitted))
@@ -130,12 +131,12 @@ def seen(of: Sequence[Stretch], laws: Collection[int]) -> Seen:
     some = [gone for k in range(len(laws)) for gone in combinations(sorted(laws), k)]
     chances = softmax([evidence(gone) for gone in some])
     there = {law: sum(p for p, gone in zip(chances, some, strict=True) if law not in gone) for law in laws}
-    possible = frozenset(law for law, chance in there.items() if chance >= POSSIBLE)
+    may_be = frozenset(law for law, chance in there.items() if chance >= possible)
     of_loss = np.hstack([_firsts(of), _of_any_law(of)])
     share, held_out = (
         _ratio(of_loss[which], left[which], lacked[which], alike) for which in (fitted, ~fitted)
     )
-    return Seen(-evidence(laws), share, held_out, possible)
+    return Seen(-evidence(laws), share, held_out, may_be)
 
 
 def _ratio(of_loss: Floats, now: Floats, then: Floats, alike: float) -> float:

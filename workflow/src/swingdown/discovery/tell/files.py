@@ -254,6 +254,7 @@ def summary(state: Round, campaign: Campaign) -> dict[str, Any]:
         "unit_doubt": state.unit_doubt,
         "driven": campaign.fit[0].drive is not None,
         "failed": state.failed,
+        "criterion": asdict(state.criterion),
         "conclusion": state.concluded,
         "chosen": None if chosen is None else {"move": chosen.move, "added": chosen.added, "also": list(chosen.also),
                                                "dropped": chosen.dropped, "gain_bic": state.bic - chosen.bic},

@@ -1,7 +1,7 @@
 """The verdict of a campaign: status, what is asserted and what merely helps, with values and ties, the gap by round, a sentence."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import cached_property
 from itertools import combinations
 from typing import Any
@@ -14,7 +14,7 @@ from ...pendulum.effect import Effect
 from ...pendulum.formula import evaluate
 from ...status import REMAINING, Status
 from ...studies.quantities import Quantity, loss_seen
-from ..guard import GUARD, Doubt
+from ..guard import GUARD, USUAL, Doubt
 from ..next.proposal import APART
 from ..see.locate import KINDS
 from .sentence import follows, sentence
@@ -69,6 +69,13 @@ class Verdict:
     def dies_away(self) -> bool:
         """Whether swings are driven as was measured, or die away; effects of what does not may be a motor's."""
         return bool(self.last.get("driven")) or _dies_away(self.last.get("conclusion"))
+
+    @property
+    def guard(self) -> dict[str, Any]:
+        """The numbers that decided; with those of guard.yaml what these were measured to cost."""
+        usual = asdict(USUAL)
+        own = self.last.get("criterion", usual)
+        return GUARD if own == usual else {"clear": GUARD["clear"], **own}
 
     @cached_property
     def unit_doubt(self) -> str:
@@ -196,7 +203,7 @@ class Verdict:
             "dies_away": self.dies_away,
             "failed": last.get("failed", ""),
             "difference": self.difference if self.difference and self.difference["effect"] else None,
-            "guard": GUARD,
+            "guard": self.guard,
         }
 
 
