@@ -390,7 +390,7 @@ def save(figure: Figure, path: str | Path, note: str = "") -> list[Path]:
         footnote(figure, *_remarks(figure), note)
     if figure.axes and (layout := figure.get_layout_engine()):
         layout.execute(figure)
-    figure.set_layout_engine("none")
+    figure.set_layout_engine(None)
     for artist in figure.findobj():
         if isinstance(artist, Line2D | PolyCollection) and _points(artist) > _MANY:
             artist.set_rasterized(True)
