@@ -77,6 +77,17 @@ def test_imports_are_found_wherever_they_stand(tmp_path):
     assert "trajectory" not in found
 
 
+def test_the_quick_look_finds_what_a_parser_does(root):
+    """Of the package's own files; what others import changes no code of ours."""
+    for path in [*(root / "workflow/src").rglob("*.py"), *(root / "workflow/scripts").glob("*.py")]:
+        text = path.read_text(encoding="utf-8")
+        parsed = [one for one in ast.walk(ast.parse(text)) if isinstance(one, ast.Import | ast.ImportFrom)]
+        known = {ast.unparse(one) for one in parsed}
+        found = {ast.unparse(one) for one in sources._imports(text)}
+        ours = {one for one in known ^ found if "swingdown" in one or one.startswith("from .")}
+        assert not ours, path
+
+
 def test_the_trials_beside_the_package_count_as_sources(root):
     """An edited trial runs its rules again, and so does the science that it tries."""
     found = sources.sources(root / "workflow/scripts/hidden_find.py")

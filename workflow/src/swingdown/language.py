@@ -10,9 +10,8 @@ from dataclasses import dataclass, field
 from functools import cache, cached_property
 from pathlib import Path
 
-import yaml
-
 from .errors import InputError
+from .own_yaml import read_own
 
 _FOLDER = Path(__file__).with_name("languages")
 ENGLISH = "en"
@@ -42,7 +41,7 @@ def language(code: str = ENGLISH) -> "Language":
         raise InputError(f"language {code!r}", "there is no catalogue of it", ", ".join(languages()), "choose one of these")  # fmt: skip
     if code == ENGLISH:
         return IN_ENGLISH
-    content = yaml.safe_load((_FOLDER / f"{code}.yaml").read_text(encoding="utf-8"))
+    content = read_own(_FOLDER / f"{code}.yaml")
     return Language(code, content["decimal"], content["texts"])
 
 

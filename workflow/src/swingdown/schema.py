@@ -13,6 +13,7 @@ import yaml
 
 from .errors import InputError
 from .extras import needed
+from .own_yaml import read_own
 
 if TYPE_CHECKING:
     import jsonschema
@@ -180,7 +181,7 @@ def _said(value: Any, rule: dict[str, Any]) -> Any:
 @cache
 def rules(schema: str) -> dict[str, Any]:
     """The content of ``schemas/<schema>``."""
-    return yaml.safe_load((SCHEMAS / schema).read_text(encoding="utf-8"))
+    return read_own(SCHEMAS / schema)
 
 
 def _is_number(checker: object, value: object) -> bool:

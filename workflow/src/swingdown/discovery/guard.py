@@ -5,15 +5,14 @@
 
 from dataclasses import dataclass
 from enum import StrEnum
-from importlib import resources
+from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 
-from ..sealed import read_text
+from ..own_yaml import read_own
 
-GUARD: dict[str, Any] = yaml.safe_load(read_text(str(resources.files(__package__) / "guard.yaml")))
+GUARD: dict[str, Any] = read_own(Path(__file__).with_name("guard.yaml"))
 CLEAR: float = GUARD["clear"]
 
 

@@ -6,7 +6,9 @@ inputs of every job, some sixty files, they cost Snakemake more than many a job.
 
 import ast
 import hashlib
+import re
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 
@@ -58,7 +60,7 @@ def imported(file: str | Path) -> tuple[Path, ...]:
     roots = {name: PACKAGE.with_name(name) for name in (PACKAGE.name, TRIALS)}
     inside = any(root in file.parents for root in roots.values())
     found: list[Path] = []
-    for node in _statements(ast.parse(file.read_text(encoding="utf-8")).body):
+    for node in _imports(file.read_text(encoding="utf-8")):
         if isinstance(node, ast.Import):
             for alias in node.names:
                 first, *rest = alias.name.split(".")
@@ -77,12 +79,15 @@ def imported(file: str | Path) -> tuple[Path, ...]:
     return tuple(dict.fromkeys(found))
 
 
-def _statements(body: Sequence[ast.AST]) -> Iterator[ast.AST]:
-    """All statements, those inside others too. Expressions, which are most of a file, hold no import."""
-    for node in body:
-        yield node
-        for part in ("body", "orelse", "finalbody", "handlers", "cases"):
-            yield from _statements(getattr(node, part, ()))
+# To parse whole files takes longer than all else that a run has to plan.
+_IMPORT = re.compile(r"^[ \t]*((?:import|from)[ \t][^\n(]*(?:\([^)]*\))?)", re.MULTILINE)
+
+
+def _imports(text: str) -> Iterator[ast.stmt]:
+    """All import statements of a source, those inside functions too; a sentence that begins as one is none."""
+    for statement in _IMPORT.findall(text):
+        with suppress(SyntaxError):
+            yield from ast.parse(statement).body
 
 
 def _files(base: Path, parts: Sequence[str]) -> Iterator[Path]:
