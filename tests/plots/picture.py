@@ -18,19 +18,30 @@ from matplotlib.spines import Spine
 from matplotlib.text import Text
 from matplotlib.ticker import FixedLocator
 
+from swingdown.plots import style
+
 _SKEW = 0.137  # so that no number as people write it lies where rounding goes either way
 
 
+@style.styled  # ticks are made where they are first asked for
 def panels(figure):
     """By name, of the whole figure and of each of its axes, eight letters that stand for what is seen in it."""
-    seen = {"whole": [_rounded(figure.get_size_inches()), *map(_artist, [*figure.texts, *figure.legends])]}
-    seen["whole"] += [figure.get_suptitle(), figure.get_supxlabel(), figure.get_supylabel()]
+    layout = figure.get_layout_engine()
+    room = sorted(layout.get().items()) if hasattr(layout, "get") else []
+    seen = {
+        "whole": [
+            _rounded(figure.get_size_inches()),
+            figure.dpi,
+            room,
+            *map(_artist, [*figure.texts, *figure.legends]),
+        ]
+    }
     for k, axes in enumerate(figure.axes):
         seen[f"{k}"] = list(_axes(axes))
     return {name: hashlib.sha256(repr(one).encode()).hexdigest()[:8] for name, one in seen.items()}
 
 
-def _axes(axes):
+def _axes(axes, beside=False):
     place = axes.get_subplotspec()
     if place is not None:
         grid = place.get_gridspec()
@@ -45,14 +56,26 @@ def _axes(axes):
     yield [text.get_text() for text in axes.get_children() if isinstance(text, Text)], axes.get_aspect()
     for axis in (axes.xaxis, axes.yaxis):
         yield axis.label.get_text(), axis.get_label_position(), axis.get_ticks_position()
-        yield sorted((key, str(value)) for key, value in axis.get_tick_params().items())
+        for tick in () if beside else (*axis.get_major_ticks()[:1], *axis.get_minor_ticks()[:1]):
+            label, line, grid = tick.label1, tick.tick1line, tick.gridline
+            yield label.get_size(), label.get_visible(), label.get_rotation(), _colour(label.get_color())
+            yield [
+                (
+                    _colour(one.get_color()),
+                    one.get_markersize(),
+                    one.get_markeredgewidth(),
+                    one.get_visible(),
+                    one.get_linewidth(),
+                )
+                for one in (line, grid)
+            ]
         if isinstance(axis.get_major_locator(), FixedLocator):
             yield _rounded(axis.get_major_locator().locs), [_artist(one) for one in axis.get_ticklabels()]
     for artist in axes.get_children():
         if not isinstance(artist, Axis):
             yield _artist(artist)
     for child in axes.child_axes:
-        yield list(_axes(child))
+        yield list(_axes(child, beside=True))
 
 
 def _artist(artist):
@@ -63,7 +86,7 @@ def _artist(artist):
         sizes = artist.get_linewidth(), artist.get_markersize(), artist.get_markeredgewidth()
         return *common, *ink, *form, sizes, _rounded(artist.get_xdata()), _rounded(artist.get_ydata())
     if isinstance(artist, Spine):
-        return common
+        return *common, artist.get_linewidth(), _colour(artist.get_edgecolor())
     if isinstance(artist, Patch):
         path = artist.get_patch_transform().transform(artist.get_path().vertices)
         ink = _colour(artist.get_facecolor()), _colour(artist.get_edgecolor()), artist.get_hatch()
@@ -87,7 +110,20 @@ def _artist(artist):
     if isinstance(artist, AxesImage):
         return *common, _values(artist), _rounded(artist.get_extent())
     if isinstance(artist, Legend):
-        return *common, artist._loc, artist._ncols, [_artist(text) for text in artist.get_texts()]
+        room = (
+            artist.handlelength,
+            artist.borderaxespad,
+            artist.columnspacing,
+            artist.handletextpad,
+            artist.borderpad,
+        )
+        form = (
+            artist._loc,
+            artist._ncols,
+            artist.get_frame_on(),
+            artist.get_bbox_to_anchor()._bbox.bounds if artist._bbox_to_anchor else (),
+        )
+        return *common, room, form, [_artist(one) for one in (*artist.get_texts(), *artist.legend_handles)]
     return common
 
 

@@ -11,6 +11,92 @@ from swingdown import plots
 from swingdown.plots import FIGURES, save, style
 
 
+@pytest.mark.usefixtures("frozen")
+@style.styled
+def test_each_part_of_a_figure_looks_as_it_does_in_all():
+    figure = style.new_figure(9)
+    models, lines, log, bare = figure.subplots(2, 2).ravel()
+    style.model_axis(models, ["viscous", "viscous+load_coulomb", ("bounds", "of the\nangle")])
+    style.runs(models, 0.0, [1.0, 2.0, 4.0], style.colour("viscous"), "o")
+    style.runs(models, 1.0, [2.0], style.colour("none of the seven"), "D")
+    style.published(models, 2.0, 1.5, 0.5)
+    style.published(models, 2.0, np.nan, 0.5)
+    style.noise_band(lines, 0.5)
+    lines.plot([0, 1], [0.2, -3.0], label="line")
+    lines.errorbar([0.5], [1.0], [0.3], label="bar")
+    lines.bar([0.5], [1.0], hatch="//", label="hatched")
+    style.symmetric(lines, [0.2, -3.0])
+    lines.grid(True)
+    style.legend_above(lines)
+    log.plot([1, 10], [1, 10])
+    log.set_xscale("log")
+    style.decimal_log(log.xaxis)
+    style.legend_above(
+        log,
+        [
+            style.mark(".", "red", "a dot"),
+            style.mark("D", "blue", "hollow", hollow=True),
+            style.mark("s", "red", "s"),
+        ],
+    )
+    style.dots(bare, [1], [2], 3.0, "red", alpha=0.5)
+    style.noted(bare, "note", (1, 2), (4, -5))
+    style.footnote(figure, "one", "", "two")
+    assert [one.get_text() for one in models.get_xticklabels()][2] == "bounds"
+    assert [text.get_text() for text in models.texts] == [
+        "viscous",
+        "viscous +",
+        "Coulomb",
+        "of the",
+        "angle",
+    ]
+    assert figure.get_supxlabel() == "one · two"
+
+
+@pytest.mark.parametrize(("length", "lines"), [(118, 1), (119, 2), (300, 3)])
+def test_remarks_are_broken_where_the_figure_ends(length, lines):
+    words = ("word " * 80)[: length - 1] + "x"
+    told = style.footnote(style.new_figure(4), words).get_supxlabel().split("\n")
+    assert len(told) == lines and max(map(len, told)) <= 118
+    first = "a" * 100
+    joined = style.footnote(style.new_figure(4), first, "b" * 15, "c" * 15).get_supxlabel()
+    assert joined == f"{first} · {'b' * 15}\n{'c' * 15}"
+
+
+@pytest.mark.parametrize(
+    ("stated", "told"), [("yes", True), (True, True), ("1", True), ("no", False), (None, False)]
+)
+def test_what_says_so_is_called_emulated(stated, told):
+    assert style.emulated_note({} if stated is None else {"emulated": stated}) == (
+        style.EMULATED if told else ""
+    )
+
+
+@pytest.mark.parametrize(("points", "pixels"), [(10_000, False), (10_001, True)])
+def test_a_series_of_more_samples_than_a_page_has_room_for_is_stored_as_pixels(tmp_path, points, pixels):
+    figure = style.new_figure(4)
+    figure.subplots().plot(np.zeros(points))
+    (path,) = save(figure, tmp_path / "a.svg")
+    assert (b"<image" in path.read_bytes()) is pixels
+
+
+def test_what_several_panels_draw_is_named_once():
+    figure = style.new_figure(4)
+    for axes in figure.subplots(1, 2):
+        axes.plot([0, 1], label="fit")
+    figure.axes[1].plot([0, 1], label="data")
+    assert [one.get_label() for one in style.handles_of(figure)] == ["fit", "data"]
+
+
+def test_signs_and_angles_are_as_the_axes_have_them():
+    assert (
+        style.signed("-1.5") == "−1.5"
+        and style.name("viscous+load_coulomb+magnet") == "viscous + Coulomb + magnet"
+    )
+    np.testing.assert_allclose(style.degrees([0.0, np.pi / 2]), [0, 90])
+    assert style.colour("viscous") != style.colour("magnet") == style.colour("backlash")
+
+
 def test_two_runs_write_the_same_bytes(tmp_path, realizations):
     for run in ("one", "two"):
         save(FIGURES["fig02"](realizations), tmp_path / run / "fig02")
