@@ -5,7 +5,7 @@ import pytest
 from turning import turning_points
 
 from swingdown.errors import InputError
-from swingdown.measurement.points.turning_points import points_in
+from swingdown.measurement.points.turning_points import points_in, unequal_sides
 from swingdown.measurement.recording import ingest
 from swingdown.measurement.sheet import COLUMNS
 
@@ -208,3 +208,12 @@ def test_a_point_at_the_zero_of_the_scale_is_on_the_side_of_the_others(sign):
     found = points_in(T[::2], sign * sizes, "here", stated="turning_points")
     assert not found.both and list(found.halves) == list(range(0, 60, 2))
     assert found.readings[0] == pytest.approx(A[0], abs=1e-12)
+
+
+def test_sides_are_taken_for_unequal_by_chance_as_often_as_is_asked_for():
+    draws = np.random.default_rng(1)
+    sizes = np.exp(-np.arange(30) / 40) + 0.01 * draws.standard_normal((1000, 30))
+    assert np.mean([unequal_sides(one, 0.1) != 0 for one in sizes]) == pytest.approx(0.1, abs=0.03)
+    shifted = sizes[0] + 0.02 * (-1.0) ** np.arange(30)
+    assert unequal_sides(shifted) == pytest.approx(0.02, abs=0.006)
+    assert unequal_sides(shifted[:7]) == 0.0  # too few to tell
