@@ -8,6 +8,7 @@ import pytest
 import sympy
 from scipy.integrate import solve_ivp
 
+from swingdown.engine import compiler
 from swingdown.engine.trajectory import simulate
 from swingdown.errors import InputError
 from swingdown.pendulum import formula
@@ -183,6 +184,7 @@ def test_an_effect_is_one_entry(monkeypatch, tmp_path):
     )  # fmt: skip
     few = Catalogue((SHIPPED["viscous"], mine))  # to compile soon
     monkeypatch.setenv("SWINGDOWN_CACHE", str(tmp_path))
+    monkeypatch.setattr(compiler, "FLAGS", ("-O0", *compiler.FLAGS[1:]))  # half as long
     assert_units(mine)
     values = {
         "natural_frequency": 6.0,
@@ -220,6 +222,7 @@ def test_states_may_follow_from_one_another(monkeypatch, tmp_path):
         ),
     )
     monkeypatch.setenv("SWINGDOWN_CACHE", str(tmp_path))
+    monkeypatch.setattr(compiler, "FLAGS", ("-O0", *compiler.FLAGS[1:]))  # half as long
     values = {"natural_frequency": 6.0, "trail_stiffness": 2.0, "trail_rate": 3.0}
     times = np.linspace(0, 4, 101)
     read = simulate(Model("trailer", values, catalogue=Catalogue((mine,))), times, 0.6)
