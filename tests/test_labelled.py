@@ -41,6 +41,15 @@ def test_a_campaign_is_of_one_apparatus_and_what_is_known_of_it_is_not_in_its_ba
         assert len(set(read)) == len(read), name
 
 
+def test_the_page_counts_the_rows_of_its_table(root):
+    with (root / "docs/labelled.csv").open(encoding="utf-8", newline="") as file:
+        rows = [(row["half"], row["told"]) for row in csv.DictReader(file)]
+    page = (root / "docs/trials.md").read_text(encoding="utf-8")
+    for half in (*labelled.HALVES.values(), labelled.AGAIN):
+        counts = [rows.count((half, told)) for told in ("right", "nothing", "wrong")]
+        assert f"| {half} | {sum(counts)} | {' | '.join(map(str, counts))} |" in page
+
+
 @pytest.mark.parametrize(
     ("effects", "there", "wrong"),
     [
@@ -101,7 +110,7 @@ def test_a_known_effect_is_told_and_counted(recorded, capsys):
 
 def test_a_row_takes_the_place_that_its_campaign_had_in_the_table(recorded, tmp_path):
     table = tmp_path / "table.csv"
-    other = ["other", *"12345678"]
+    other = ["other", "open", *"2345678"]
     labelled.main(
         [*recorded({}, {"campaign": "other", "label": "magnet"}), "--only", "wheel", "--out", str(table)]
     )
@@ -114,6 +123,16 @@ def test_a_row_takes_the_place_that_its_campaign_had_in_the_table(recorded, tmp_
     assert head == list(labelled.COLUMNS)
     assert wheel[:7] == ["wheel", "open", "constant_coulomb, linear", "magnet", "viscous", "named", "wrong"]
     assert kept == other
+
+
+def test_what_was_searched_once_keeps_its_row_where_it_is_searched_again(recorded, tmp_path):
+    table = tmp_path / "table.csv"
+    asked = [*recorded(split="apart"), "--out", str(table)]
+    asked[asked.index("learn")] = "apart"
+    labelled.main(asked)
+    labelled.main([*asked, "--again"])
+    with table.open(newline="") as file:
+        assert [row[:2] for row in csv.reader(file)][1:] == [["wheel", "searched once"], ["wheel", "again"]]
 
 
 def test_another_effect_in_its_place_is_counted_as_wrong(recorded, capsys):

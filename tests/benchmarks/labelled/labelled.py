@@ -1,7 +1,7 @@
 """What is told of real pendulums of others of which it is known what is there, as a table.
 
     .venv/bin/python tests/benchmarks/labelled/labelled.py FOLDER --split learn|apart [--mirrors FOLDER] [--data FOLDER]
-        [--only TEXT] [--budget SECONDS] [--out docs/labelled.csv] [--pickles FOLDER]
+        [--only TEXT] [--budget SECONDS] [--again] [--out docs/labelled.csv] [--pickles FOLDER]
 
 campaigns.csv has a row for each recording. Those of one ``campaign`` are one; ``base`` and ``restoring`` are what the search begins
 with, ``label`` is what is known to be there and not in the base (``|`` between those that a person cannot tell apart), ``source`` says
@@ -10,7 +10,7 @@ apparatuses, taken by what they are before any was searched.
 
 FOLDER is filled as corpus/fetch.py fills its own. Recordings without a commit were prepared by others and lie in the folder that
 ``--data`` names. ``--pickles`` writes the campaigns, and searches nothing. ``--out`` puts the rows in the place of those that the table has of
-these campaigns.
+these campaigns; with ``--again`` beside those of the half that was searched once.
 """
 
 import argparse
@@ -39,6 +39,7 @@ LIST = Path(__file__).with_name("campaigns.csv")
 TOLD = ("column", "run", "unit", "rate", "scale", "start", "stop")
 COLUMNS = ("campaign", "half", "base", "known", "asserted", "status", "told", "held out, times the noise", "CPU (s)")  # fmt: skip
 HALVES = {"learn": "open", "apart": "searched once"}
+AGAIN = "again"  # what was searched once, by another search than that was
 
 
 def listed(split=None):
@@ -102,7 +103,7 @@ def asked(one, base, budget):
     )
 
 
-def line(rows, one, budget):
+def line(rows, one, budget, half):
     """Return a campaign's row of the table, whether it is told right and wrong, and what else is said."""
     first = rows[0]
     base = Model(first["base"], restoring=first["restoring"])
@@ -112,7 +113,7 @@ def line(rows, one, budget):
     there, wrong = right(first["label"], effects)
     cells = [
         first["campaign"],
-        HALVES[first["split"]],
+        half,
         first["base"] + (", linear" if first["restoring"] == "linear" else ""),
         first["label"].replace("|", " or "),
         " · ".join(" or ".join([name, *ties]) for name, ties in effects.items()) or "–",
@@ -126,13 +127,14 @@ def line(rows, one, budget):
 
 def written(rows, path):
     """Return nothing; a table has these rows in the place of those that it had of their campaigns, in the order of campaigns.csv."""
-    known = {row[0]: row for row in rows}
+    known = {tuple(row[:2]): row for row in rows}
     if path.exists():
         with path.open(encoding="utf-8", newline="") as file:
-            known = {row[0]: row for row in list(csv.reader(file))[1:]} | known
+            known = {tuple(row[:2]): row for row in list(csv.reader(file))[1:]} | known
+    places = [(name, half) for name in listed() for half in (*HALVES.values(), AGAIN)]
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerows([COLUMNS, *(known[name] for name in listed() if name in known)])
+        writer.writerows([COLUMNS, *(known[place] for place in places if place in known)])
 
 
 def main(argv=None):
@@ -150,7 +152,9 @@ def main(argv=None):
     )
     parser.add_argument("--out", type=Path)
     parser.add_argument("--pickles", type=Path, help="write the campaigns to this folder, and search nothing")
+    parser.add_argument("--again", action="store_true", help="what was searched once; its own rows stay")
     given = parser.parse_args(argv)
+    half = AGAIN if given.again else HALVES[given.split]
     campaigns = {
         name: rows for name, rows in listed(given.split).items() if any(text in name for text in given.only)
     }
@@ -167,10 +171,10 @@ def main(argv=None):
             if given.pickles:
                 kept(rows, one, given.pickles)
                 continue
-            row, there, wrong, said = line(rows, one, given.budget)
+            row, there, wrong, said = line(rows, one, given.budget, half)
             told.append((rows[0]["apparatus"], there, wrong))
         except InputError as problem:
-            blank = [name, HALVES[given.split], *"–" * 3, f"not read: {problem.problem}", "nothing", "–", "–"]
+            blank = [name, half, *"–" * 3, f"not read: {problem.problem}", "nothing", "–", "–"]
             row, said = blank, []
             told.append((rows[0]["apparatus"], False, False))
         lines.append(row)
