@@ -19,10 +19,10 @@ from swingdown.errors import InputError
 from swingdown.measurement.recording import ingest
 from swingdown.measurement.sheet import read_sheet
 from swingdown.measurement.swings.even import evenly
-from swingdown.measurement.swings.half_swings import half_swings
 from swingdown.measurement.swings.renumbered import lost_evenly
 from swingdown.measurement.swings.spikes import find_spikes
 from swingdown.pendulum.catalogue import SHIPPED
+from swingdown.pendulum.half_swings import half_swings
 from swingdown.pendulum.model import Model
 
 BASE = ("viscous", "load_coulomb")

@@ -8,8 +8,8 @@ from swingdown.errors import InputError
 from swingdown.measurement.angle import to_angle
 from swingdown.measurement.recording import ingest
 from swingdown.measurement.sheet import read_sheet
-from swingdown.measurement.swings.half_swings import half_swings
 from swingdown.measurement.swings.release import find_windows
+from swingdown.pendulum.half_swings import half_swings
 from swingdown.pendulum.model import Model
 
 

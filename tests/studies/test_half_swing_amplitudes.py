@@ -7,7 +7,7 @@ from swingdown.answer.given import swings
 from swingdown.engine.trajectory import simulate
 from swingdown.errors import InputError
 from swingdown.pendulum.catalogue import RATE
-from swingdown.pendulum.ideal import reached
+from swingdown.pendulum.half_swings import reached
 from swingdown.pendulum.model import Model
 from swingdown.studies.half_swings import half_swings_of, of_samples
 

@@ -13,13 +13,13 @@ from swingdown import dataset
 from swingdown.arrays import Floats
 from swingdown.engine.trajectory import TrajectoryError
 from swingdown.errors import InputError
-from swingdown.fitting.guess import middle_crossings
 from swingdown.fitting.least_squares import fit_jointly
 from swingdown.manifest import checksum
 from swingdown.measurement.apparatus import Apparatus
 from swingdown.paths import write_csv
 from swingdown.pendulum.catalogue import SHIPPED, Catalogue
 from swingdown.pendulum.effect import Effect, Parameter
+from swingdown.pendulum.half_swings import middle_crossings
 from swingdown.pendulum.model import BASES, Model
 
 from .coverage import SLOPE, Bench, bench

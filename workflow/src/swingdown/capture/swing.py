@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from ..fitting.guess import middle_crossings
+from ..pendulum.half_swings import middle_crossings
 
 MANY = 10  # swings that the loss is told over
 _CLEAR = 6  # standard deviations of the noise that a swing's amplitude must have to be one

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Floats
-from ..pendulum.ideal import lengthening
+from ..pendulum.half_swings import lengthening
 
 _ANGLES = 32  # of Gauss and Legendre, from the middle to the turning point
 _INNER = 12  # from an angle to the turning point

@@ -1,7 +1,7 @@
 """A first guess from the data alone: frequency from zero crossings, decay from successive peaks, release from the start."""
 
 from dataclasses import dataclass
-from math import cos, pi, sqrt
+from math import pi
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,7 @@ from ..calmed import calmed
 from ..errors import InputError
 from ..pendulum.catalogue import ANGLE, RATE
 from ..pendulum.formula import evaluate
-from ..pendulum.ideal import reached
+from ..pendulum.half_swings import middle_crossings, quickening, reached
 from ..pendulum.model import Model
 
 
@@ -37,42 +37,6 @@ class Guess:
             for effect in model.effects
             if effect.damping and effect.size
         }
-
-
-def _amplitude_factor(amplitude: float) -> float:
-    """One over ``pendulum.ideal.lengthening``, to the same digits in a part of the time: agm(1, cos(amplitude / 2))."""
-    mean, root = 1.0, max(cos(min(abs(amplitude), 3.1) / 2), 1e-3)
-    for _ in range(6):
-        mean, root = (mean + root) / 2, sqrt(mean * root)
-    return mean
-
-
-def middle_crossings(times: Floats, angle: Floats) -> tuple[Floats, Floats]:
-    """When (s) a swing crosses its middle, and the extremes (rad) between each two crossings; a tenth of the spread is hysteresis against
-    noise."""
-    band = 0.1 * np.sqrt(angle @ angle / angle.size)
-    above = angle > band
-    marks = (above | (angle < -band)).nonzero()[0]
-    sides = above[marks]
-    turns = (sides[1:] != sides[:-1]).nonzero()[0]
-    first, last = marks[turns], marks[turns + 1]
-    if first.size == 0:
-        return np.array([]), np.array([])
-    # the straight line through the samples from one side to the other, of all crossings at once
-    size = last - first + 1
-    begins, begun = size.cumsum() - size, times[first]
-    inside = np.arange(begins[-1] + size[-1]) + (first - begins).repeat(size)
-    after, part = times[inside] - begun.repeat(size), angle[inside]
-    mean_after, mean = np.add.reduceat(after, begins) / size, np.add.reduceat(part, begins) / size
-    centred = after - mean_after.repeat(size)
-    rise, spread = np.add.reduceat(centred * part, begins), np.add.reduceat(centred * centred, begins)
-    flat = rise == 0
-    middle = np.where(flat, 0.0, mean_after - mean / np.where(flat, 1.0, rise / spread))
-    crossings = begun + np.minimum(np.maximum(middle, 0.0), times[last] - begun)
-    bounds = times.searchsorted(crossings)
-    extremes = np.maximum.reduceat(np.abs(angle), bounds)[:-1]
-    extremes[bounds[1:] == bounds[:-1]] = 0.0
-    return crossings, extremes
 
 
 def first_guess(times: Any, angle: Any, restoring: str = "sine", reading: str = ANGLE) -> Guess:
@@ -114,7 +78,7 @@ def first_guess(times: Any, angle: Any, restoring: str = "sine", reading: str = 
         used = [k for k in used if shown[k]] or [int(k) for k in shown.nonzero()[0]] or used
         half = _median([seen[k + 1] - seen[k] for k in used])
     amplitude = _median([reached[k] for k in used])
-    frequency = pi / half / (_amplitude_factor(amplitude) if restoring == "sine" else 1.0)
+    frequency = pi / half / (quickening(amplitude) if restoring == "sine" else 1.0)
     loss = (reached[0] - reached[-1]) / (len(reached) - 1) if len(reached) > 1 else 0.01 * amplitude
     release, velocity = at_first(times, angle, half)
     return Guess(frequency, release, velocity, amplitude, loss)
@@ -165,7 +129,7 @@ def _guess_from_rate(times: Floats, rate: Floats, restoring: str) -> Guess:
     half, fastest = float(np.median(np.diff(crossings)[used])), float(np.median(speeds[used]))
     frequency = observed = np.pi / half
     for _ in range(30 if restoring == "sine" else 0):  # the faster of two that depend on each other
-        frequency = observed / _amplitude_factor(float(reached(fastest / frequency, restoring)))
+        frequency = observed / quickening(float(reached(fastest / frequency, restoring)))
     turned = reached(speeds / frequency, restoring)
     amplitude = float(np.median(turned[used]))
     loss = (turned[0] - turned[-1]) / max(1, turned.size - 1) if turned.size > 1 else 0.01 * amplitude

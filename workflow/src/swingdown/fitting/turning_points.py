@@ -17,7 +17,7 @@ from ..engine.trajectory import TrajectoryError, sensitivities, simulate
 from ..errors import InputError
 from ..pendulum.catalogue import RATE
 from ..pendulum.effect import NATURAL_FREQUENCY
-from ..pendulum.ideal import lengthening
+from ..pendulum.half_swings import lengthening
 from ..pendulum.model import Model
 from ..pendulum.slack import time_power
 from ..quantisation import rounding

@@ -10,6 +10,7 @@ import xarray as xr
 
 from ..arrays import Floats
 from ..errors import InputError
+from ..pendulum.half_swings import half_swings
 from ..quantisation import quantisation_step
 from .apparatus import limit_at
 from .driven import carried
@@ -17,7 +18,6 @@ from .gyroscope import TO_RAD_PER_S
 from .points import points_recording
 from .slack import as_variables, of_calibration, of_tolerances, zero_is_fitted
 from .swings.even import Even
-from .swings.half_swings import half_swings
 from .swings.noise_level import SPECTRUM, Noise, noise_by_times, noise_of
 from .swings.release import by_itself
 from .swings.spikes import without
@@ -26,7 +26,8 @@ BOUND = "half width of the interval that holds the angle with 95 %"
 PAPER_BOUND = "half width of the paper's bound, limits added: it holds some 90 % of angles (docs/trust.md)"
 _RAD = {"rad": 1.0, "deg": pi / 180} | TO_RAD_PER_S
 _PARTS = ("standard_uncertainty", "random_uncertainty", "systematic_uncertainty", "bound")
-_CARRIED = (
+# from a recording to its angles, where it has them
+_CARRIED = [
     "columns_alike",
     "drive_beside",
     "label",
@@ -37,7 +38,7 @@ _CARRIED = (
     "own_step",
     "read_again",
     "time_standard_uncertainty_s",
-)  # from a recording to its angles
+]
 UNSCALED = "unknown scale"  # the mode of angles that stand for readings whose scale nobody states: period and decay alone hold
 UNIFORM_95 = 0.95 * sqrt(3)  # half width of the interval that holds 95 % of a uniform distribution, in its u
 

@@ -119,20 +119,14 @@ def read_apparatus(path: str | Path, check_files: bool = True) -> Apparatus:
                 "correct the path",
             )
     for place, size, limit, unit in _limits(apparatus):
+        wanted, why = f"a limit of error in {unit}", ""
         if limit > size:
-            raise InputError(
-                f"{path}, key {place}",
-                f"a limit of error of {limit:g} {unit}, larger than the readings themselves",
-                f"a limit of error in {unit}, far below {size:g} {unit}",
-                "correct the limit",
-            )
-        if not limit >= np.finfo(float).eps * size:
-            raise InputError(
-                f"{path}, key {place}",
-                f"a limit of error of {limit:g} {unit}, less than the last digit of {size:g} {unit}",
-                f"a limit of error in {unit}",
-                "correct the limit",
-            )
+            wanted, why = f"{wanted}, far below {size:g} {unit}", "larger than the readings themselves"
+        elif not limit >= np.finfo(float).eps * size:
+            why = f"less than the last digit of {size:g} {unit}"
+        if why:
+            told = f"a limit of error of {limit:g} {unit}, {why}"
+            raise InputError(f"{path}, key {place}", told, wanted, "correct the limit")
     bounds = [entry["up_to"] for entry in apparatus["encoder"]["limits"]]
     if bounds != sorted(set(bounds)):
         raise InputError(
@@ -155,21 +149,16 @@ def _check_height(apparatus: Apparatus, height: float, place: str) -> None:
     size = {name: entry["value"] for name, entry in apparatus["lengths"].items()}
     below = size["over_shaft"] - size["shaft_diameter"] / 2 - height - size["bob_diameter"] / 2
     lowest = size["over_shaft"] - (size["shaft_diameter"] + size["bob_diameter"]) / 2 - size["arm"]
-    if below <= 0:
-        raise InputError(
-            place,
-            f"the tower is above the arm: at {height:g} m the bob's centre is {-below:.4g} m above the shaft's",
-            f"a height between {lowest:.5g} and {lowest + size['arm']:.5g} m",
-            "correct the height (in m) or the lengths",
-        )
-    if below >= size["arm"]:
-        raise InputError(
-            place,
-            f"the arm of {size['arm']:g} m does not reach: at {height:g} m the bob's centre would be {below:.6g} m below "
-            "the shaft's",
-            f"a height between {lowest:.5g} and {lowest + size['arm']:.5g} m",
-            "correct the height (in m) or the lengths",
-        )
+    if 0 < below < size["arm"]:
+        return
+    raise InputError(
+        place,
+        f"the tower is above the arm: at {height:g} m the bob's centre is {-below:.4g} m above the shaft's"
+        if below <= 0
+        else f"the arm of {size['arm']:g} m does not reach: at {height:g} m the bob's centre would be {below:.6g} m below the shaft's",
+        f"a height between {lowest:.5g} and {lowest + size['arm']:.5g} m",
+        "correct the height (in m) or the lengths",
+    )
 
 
 def length_inputs(apparatus: Apparatus) -> tuple[list[Input], list[Input]]:

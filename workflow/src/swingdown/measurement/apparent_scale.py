@@ -3,9 +3,8 @@
 import numpy as np
 
 from ..arrays import Floats
-from ..pendulum.ideal import LARGEST, lengthening
+from ..pendulum.half_swings import LARGEST, half_swings, lengthening, passages
 from .plausibility import ENOUGH, STEADY
-from .swings.half_swings import half_swings, passages
 
 # rad: what the largest swing stands for where no period tells more, as sine and angle are then one
 RELATIVE = 0.01

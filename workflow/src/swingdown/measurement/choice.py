@@ -8,6 +8,7 @@ import pandas as pd
 
 from ..arrays import Floats
 from ..errors import InputError
+from ..pendulum.half_swings import half_swings
 from .files.columns import (
     ANGLE,
     COUNTS,
@@ -28,7 +29,6 @@ from .files.table import Table, first_rows
 from .gyroscope import ASKEW, TO_RAD_PER_S
 from .plausibility import ENOUGH, in_a_row
 from .swings.clock import RISES, counts_rows, goes_on
-from .swings.half_swings import half_swings
 
 SHORTEST = 10  # samples; fewer tell nothing about a swing
 LOOKED_FOR_NOISE = 20_000  # rows of which each column is looked at before it is called noise
@@ -131,12 +131,12 @@ def without_still(table: Table, row: Mapping[str, Any]) -> tuple[Table, list[str
         return kept, []
     plain = {name for name in still + counting + bare + noisy if not name.startswith(UNNAMED)}
     told = [
-        f"{', '.join(f'`{name}`' for name in left if name in plain)} {words if len(left) == 1 else more}: left out"
-        for left, words, more in (
-            (still, "holds one value throughout", "hold one value throughout"),
-            (counting, "counts the rows", "count the rows"),
-            (bare, "holds next to no numbers", "hold next to no numbers"),
-            (noisy, "holds noise alone", "hold noise alone"),
+        f"{', '.join(f'`{name}`' for name in left if name in plain)} {verb}{'s' if len(left) == 1 else ''} {what}: left out"
+        for left, verb, what in (
+            (still, "hold", "one value throughout"),
+            (counting, "count", "the rows"),
+            (bare, "hold", "next to no numbers"),
+            (noisy, "hold", "noise alone"),
         )
         if plain.intersection(left)
     ]

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..arrays import Floats
 from ..errors import InputError
-from .swings.half_swings import half_swings
+from ..pendulum.half_swings import half_swings
 
 # Limits that the maker states of one that telephones and boards have (MPU-6050, product specification 3.4, section 6.1).
 GAIN_TOLERANCE = 0.03

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..arrays import Floats
 from ..errors import InputError
+from ..pendulum.half_swings import half_swings
 from ..rounding import moment
 from .choice import (
     SHORTEST,
@@ -32,7 +33,6 @@ from .positions import check_no_positions
 from .refused import WHICH_COLUMN
 from .signal import Interpreted, signal_of
 from .swings.clock import counts_rows, counts_ticks, in_order, parts
-from .swings.half_swings import half_swings
 from .units import A_DAY, time_factor
 
 TWICE = 0.2  # by which the ratio of two periods may be off 2

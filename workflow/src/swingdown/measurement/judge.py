@@ -7,6 +7,7 @@ import numpy as np
 from ..arrays import Floats
 from ..calmed import calmed
 from ..errors import InputError
+from ..pendulum.half_swings import half_swings
 from .apparent_scale import RELATIVE, apparent_scale
 from .gyroscope import TO_RAD_PER_S, check_rate
 from .plausibility import check_shrinks, drift, hanging
@@ -14,7 +15,6 @@ from .swings.beats import check_one_motion
 from .swings.continuity import check_alive, check_continuous
 from .swings.even import evenly
 from .swings.gaps import check_countable, uncounted
-from .swings.half_swings import half_swings
 from .swings.quality import check_signal
 from .swings.release import Window, find_windows, within
 from .swings.slips import longest_between, out_of_step

@@ -6,8 +6,8 @@ import numpy as np
 
 from ..arrays import Floats
 from ..errors import InputError
+from ..pendulum.half_swings import half_swings, passages
 from .files.columns import OF_ACCELERATIONS
-from .swings.half_swings import half_swings, passages
 
 CENTRED = 0.1  # rad; friction does not hold a pendulum that far from the vertical
 DRIFTED = 0.05  # rad; what the amplitude does to the middle of an eccentric sensor is less

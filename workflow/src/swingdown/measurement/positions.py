@@ -8,9 +8,9 @@ from scipy.optimize import least_squares
 
 from ..arrays import Bools, Floats
 from ..errors import InputError
+from ..pendulum.half_swings import half_swings
 from .plausibility import ENOUGH, in_a_row
 from .stated import UNITS, read
-from .swings.half_swings import half_swings
 
 LEAST_ARC = 0.1  # rad; a shorter arc does not tell the radius
 MOST = 2.0  # times as far along an axis as beside it (standard deviations): they move along it

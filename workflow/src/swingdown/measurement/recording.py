@@ -20,6 +20,7 @@ from .files.source import Table, check_sha256, opened, table_of
 from .interpret import interpret
 from .judge import Judged, Reading, check_used, judge, used_part
 from .points.passages import ask_periods, passages
+from .points.points_recording import about_file
 from .points.points_table import turning_points
 from .second_reading import OPEN, may_be_read_again
 from .signal import RELATIVE, Interpreted
@@ -142,17 +143,10 @@ def _dataset(
     counted = "counts_per_revolution" in found.about
     stamp = table.about.get("time_standard_uncertainty_s")
     attributes = {
-        "recording": row["recording"],
-        **({"label": row["label"]} if row.get("label") else {}),
-        "campaign": row["campaign"],
-        "role": row["role"],
-        "file": row["file"],
+        **about_file(table, row, found.taken(reading)),
         **about,
-        "source": table.about.get("source", "as recorded by its owner"),
         **{key: table.about[key] for key in phyphox.KEPT if key in table.about},
-        "emulated": "yes" if str(table.about.get("emulated", "no")).lower() in ("yes", "true", "1") else "no",
         "expected_samples": len(found.times),
-        "taken": found.taken(reading),
         "unit_told": reading.told,
         "unit_stated": "yes" if reading.stated else "no",
         **with_rate(

@@ -7,13 +7,13 @@ import numpy as np
 import xarray as xr
 
 from ..dataset import quiet_of, series_of
+from ..pendulum.half_swings import half_swings
 from .angle import UNSCALED
 from .apparent_scale import apparent_scale
 from .driven import drive_of
 from .plausibility import free_part, in_step_and_dying
 from .points.points_recording import are_points
 from .signal import RELATIVE as RELATIVE_CELL
-from .swings.half_swings import half_swings
 
 OPEN, TOLD = "read_again", "again"  # attributes: whether a recording may be read once more, and what was done
 _CELLS = {"again_start_s": "start_s", "again_stop_s": "stop_s", "again_scale": "scale"}

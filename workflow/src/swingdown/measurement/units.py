@@ -6,10 +6,10 @@ import numpy as np
 
 from ..arrays import Floats
 from ..errors import InputError
+from ..pendulum.half_swings import half_swings
 from ..rounding import moment
 from .plausibility import TO_RAD
 from .refused import WHICH_COLUMN
-from .swings.half_swings import half_swings
 
 LONGEST, SHORTEST = 60.0, 0.02  # s; a pendulum of 900 m, and one of a tenth of a millimetre
 ROOM = 4.0  # s; a pendulum of 4 m hardly fits into a room

@@ -11,7 +11,7 @@ from scipy import special
 from ..arrays import Floats
 from ..errors import InputError
 from ..measurement.stated import UNITS, Stated, read
-from ..pendulum.ideal import lengthening
+from ..pendulum.half_swings import lengthening
 from ..studies.gravity import ON_EARTH
 from .hand_table import COUNTED, HandTable, Head, hand_table
 from .values import GROUP, KNOWN, Values, cell

@@ -9,7 +9,7 @@ import pandas as pd
 
 from ..errors import InputError
 from ..measurement.stated import Stated, quantity
-from ..pendulum.ideal import lengthening
+from ..pendulum.half_swings import lengthening
 from ..rounding import plus_minus, value_with_uncertainty
 from .pendulums import TOGETHER, cells_of, in_order
 from .quantities import Quantity

@@ -9,11 +9,11 @@ from ..arrays import Floats
 from ..calmed import calmed
 from ..dataset import series_of
 from ..errors import InputError
-from ..fitting.guess import first_guess, middle_crossings
+from ..fitting.guess import first_guess
 from ..measurement.angle import UNSCALED
 from ..measurement.points.points_recording import COUNTED, PASSED, are_points
-from ..measurement.swings.half_swings import middles
 from ..pendulum.catalogue import RATE
+from ..pendulum.half_swings import middle_crossings, middles, steps_between
 from .turning_points import turns_of
 
 # of a half-swing on each side: a polynomial of degree 4 finds a turn to 4e-6 of it, of degree 3 a passage
@@ -21,7 +21,6 @@ _TURN, _PASS = 0.22, 0.25
 _WIDEST = 0.45  # of a half-swing: how far a window reaches where there are few samples; it finds a turn to 2e-4 of it
 _MORE = 2  # samples beyond the coefficients of a polynomial, so that it leaves something
 _ABOVE = 5.0  # standard deviations of the noise that a swing goes beyond: the passage through the middle is then its own
-_SKIPPED = 1.6  # of the usual half-swing: what takes longer is more than one
 
 
 class HalfSwings(NamedTuple):
@@ -182,12 +181,6 @@ def _centre(times: Floats, angle: Floats, rough: Floats) -> float:
     middle = np.median(angle[angle.size // 2 :])
     turns = np.where(top - middle > middle - bottom, top, bottom)
     return float(np.median(middles(turns))) if turns.size > 2 else float(middle)
-
-
-def steps_between(half: Floats) -> Floats:
-    """How many half-swings lie between passages ``half`` (s) apart: 1, but where some are missing."""
-    usual = np.array([np.median(half[max(0, k - 3) : k + 4]) for k in range(half.size)])
-    return np.where(half > _SKIPPED * usual, np.round(half / usual), 1.0)
 
 
 class _Local(NamedTuple):

@@ -19,7 +19,7 @@ from ..measurement.refused import NOT_LOOKED_AT
 from ..paths import printable
 from ..pendulum.catalogue import ANGLE, RATE, READINGS, SHIPPED, Catalogue
 from ..pendulum.effect import NATURAL_FREQUENCY
-from ..pendulum.ideal import lengthening
+from ..pendulum.half_swings import lengthening
 from ..pendulum.slack import ZERO, is_open
 from ..rounding import value_with_uncertainty
 from ..status import REMAINING, Status

@@ -14,7 +14,7 @@ from ..arrays import Floats, standard_errors
 from ..engine.trajectory import simulate_each
 from ..pendulum.effect import NATURAL_FREQUENCY, Effect
 from ..pendulum.formula import names_in
-from ..pendulum.ideal import lengthening
+from ..pendulum.half_swings import lengthening
 from ..pendulum.model import Model
 from ..rounding import value_with_uncertainty
 

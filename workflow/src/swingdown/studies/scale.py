@@ -19,7 +19,7 @@ from ..fitting.result import Fit
 from ..fitting.uncertainty import uncertainty
 from ..pendulum.catalogue import ANGLE
 from ..pendulum.effect import NATURAL_FREQUENCY
-from ..pendulum.ideal import LARGEST, lengthening
+from ..pendulum.half_swings import LARGEST, lengthening
 from ..pendulum.model import Model, as_model
 from ..pendulum.slack import ZERO, reading_slack
 from .comparison import WORTH

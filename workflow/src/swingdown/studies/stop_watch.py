@@ -8,7 +8,7 @@ import pandas as pd
 
 from ..arrays import Floats, Shown, finite_or_none
 from ..calmed import calmed
-from ..measurement.swings.half_swings import half_swings, passages
+from ..pendulum.half_swings import half_swings, passages
 from .unscaled import HIDES, counted_passages, course_seen, of_first_swings
 
 SWINGS = 10  # that are timed; of a shorter recording all

@@ -14,7 +14,7 @@ from ..fitting.turning_points import Turns, TurnsFit, Unmet, fit_turns
 from ..measurement.points.points_recording import COUNTED, NOT_IN_IT, PASSED, READ
 from ..measurement.points.turning_points import BOTH_SIDES, PASSAGES, PERIODS
 from ..measurement.slack import of_angles
-from ..pendulum.ideal import lengthening
+from ..pendulum.half_swings import lengthening
 from ..pendulum.model import Model, model_words
 from ..rounding import value_with_uncertainty
 from . import fit_rows

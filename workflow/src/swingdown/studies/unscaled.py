@@ -12,7 +12,7 @@ from ..fitting.passages import both_ways, pace
 from ..measurement.angle import UNSCALED
 from ..measurement.plausibility import KEPT
 from ..measurement.slack import of_angles
-from ..measurement.swings.half_swings import half_swings, passages
+from ..pendulum.half_swings import half_swings, passages
 from ..rounding import value_with_uncertainty
 from .quantities import Quantity, mixed
 

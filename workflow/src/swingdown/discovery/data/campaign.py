@@ -8,10 +8,10 @@ import numpy as np
 
 from ...arrays import Floats, swing_under
 from ...errors import InputError
-from ...fitting.guess import middle_crossings
 from ...own_unit import Own
 from ...pendulum.catalogue import ANGLE, READINGS
 from ...pendulum.drive import Drive
+from ...pendulum.half_swings import middle_crossings
 from ...pendulum.slack import Slack
 
 # A single recording is cut into parts of as many half-swings each: odd numbers of them, so that both ends are fitted.

@@ -13,7 +13,7 @@ from ...fitting.problem import RELEASE
 from ...own_unit import Own
 from ...pendulum.catalogue import RATE
 from ...pendulum.effect import NATURAL_FREQUENCY
-from ...pendulum.ideal import reached
+from ...pendulum.half_swings import reached
 from ...pendulum.model import Model
 from ...quantisation import quantisation_step
 from ..data.campaign import Campaign

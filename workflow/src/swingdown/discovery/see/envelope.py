@@ -18,7 +18,7 @@ from scipy.optimize import lsq_linear
 from scipy.special import expit, softmax
 
 from ...arrays import Bools, Floats
-from ...studies.half_swings import steps_between
+from ...pendulum.half_swings import steps_between
 from ..data.campaign import Campaign, Swing
 from ..guard import USUAL
 from .linear import orthonormal

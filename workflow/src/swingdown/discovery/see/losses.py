@@ -8,10 +8,9 @@ import pandas as pd
 from ...arrays import Floats, Swing
 from ...calmed import calmed
 from ...errors import InputError
-from ...measurement.swings.half_swings import middles
 from ...own_unit import Own
 from ...pendulum.catalogue import ANGLE, RATE
-from ...pendulum.ideal import lengthening, reached
+from ...pendulum.half_swings import lengthening, middles, reached
 from ...studies.half_swings import of_samples
 
 COLUMNS = ["time_s", "amplitude_rad", "energy_loss", "period_ratio", "midpoint_rad"]

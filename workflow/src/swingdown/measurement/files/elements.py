@@ -14,6 +14,7 @@ from ...arrays import Floats
 from ...errors import InputError
 
 ZIP = b"PK\x03\x04"
+FEWEST = 10  # numbers in an array; a shorter one is a setting
 LARGEST = 100_000_000  # bytes of XML: the tree is held whole and takes some ten times as much
 
 
@@ -35,6 +36,22 @@ class Columns(NamedTuple):
         return cls(
             pd.DataFrame(kept), f"arrays of {kind}{more}", about={"source": kind}, ordered=len(one) == 1
         )
+
+
+def columns_in(key: str, value: Any) -> dict[str, Floats]:
+    """The columns of an array of numbers: itself, or of two dimensions as many as the shorter has, ``key 1``, ``key 2``; none of a setting."""
+    if value.dtype.kind not in "fiu" or value.ndim not in (1, 2) or max(value.shape, default=0) < FEWEST:
+        return {}
+    if value.ndim == 1:
+        return {key: value.astype(float)}
+    across = value if value.shape[0] >= value.shape[1] else value.T
+    return {f"{key} {k}": one.astype(float) for k, one in enumerate(across.T, 1)}
+
+
+def no_arrays(name: str, mend: str) -> InputError:
+    """What is told of a file in which no array is long enough."""
+    problem = f"it holds no array of {FEWEST} numbers or more"
+    return InputError(name, problem, "arrays of a time and a swing", mend)
 
 
 class _Plain(ElementTree.TreeBuilder):

@@ -10,14 +10,13 @@ from scipy.io import loadmat
 from ...arrays import Floats
 from ...errors import InputError
 from .columns import TIME, meaning
-from .elements import Columns
+from .elements import Columns, columns_in, no_arrays
 from .layout import CLOCKED
 
 PROGRAM = "MATLAB"
 _LABELS = ("label", "name", "Name")  # of the signals that Simulink logs
 _VALUES = ("values", "data")
 _DEEPEST = 6  # structures in structures: a timeseries of a logged signal has four
-FEWEST = 10  # numbers in an array; a shorter one is a setting
 _RATE = re.compile(r"(?i)(actual|sampl(e|ing))?_?(rate|freq(uency)?)(_?hz)?|f_?s|fps|frame_?rate")
 _INTERVAL = re.compile(r"(?i)(sampl(e|ing))?_?(interval|period|time)(_?s)?|d_?t|t_?s|delta_?t")
 
@@ -41,12 +40,12 @@ def arrays(source: BinaryIO, name: str) -> dict[str, Columns]:
     columns = _together(
         (key, _columns(key, value)) for key, value in saved.items() if not key.startswith("__")
     )
-    length = _length(columns)
+    times = [one.size for key, one in columns.items() if meaning(key).kind == TIME]
+    sizes = [one.size for one in columns.values()]
+    length = times[0] if times else max(sizes, key=sizes.count, default=0)
     kept = {key: one for key, one in columns.items() if one.size == length}
     if not kept:
-        raise InputError(
-            name, f"it holds no array of {FEWEST} numbers or more", "arrays of a time and a swing", mend
-        )
+        raise no_arrays(name, mend)
     more = ""
     if not any(meaning(key).kind == TIME for key in kept) and (stated := _rate(saved)):
         key, rate = stated
@@ -57,18 +56,13 @@ def arrays(source: BinaryIO, name: str) -> dict[str, Columns]:
 
 def _rate(saved: Mapping[str, object]) -> tuple[str, float] | None:
     """The name of the one number among the saved that tells how fast was sampled, and the rate (Hz); None without one, or of several."""
-    found = []
-    for key, value in saved.items():
-        if (
-            isinstance(value, np.ndarray)
-            and value.size == 1
-            and value.dtype.kind in "fiu"
-            and value.item() > 0
-        ):
-            if _RATE.fullmatch(key):
-                found.append((key, float(value.item())))
-            elif _INTERVAL.fullmatch(key):
-                found.append((key, 1 / float(value.item())))
+    single = {
+        key: float(value.item())
+        for key, value in saved.items()
+        if isinstance(value, np.ndarray) and value.size == 1 and value.dtype.kind in "fiu"
+    }
+    found = [(key, one) for key, one in single.items() if one > 0 and _RATE.fullmatch(key)]
+    found += [(key, 1 / one) for key, one in single.items() if one > 0 and _INTERVAL.fullmatch(key)]
     return found[0] if len(found) == 1 else None
 
 
@@ -103,18 +97,6 @@ def _columns(key: str, value: object, depth: int = 0) -> dict[str, Floats]:
     if isinstance(value, np.ndarray) and (value.dtype.names or value.dtype == object):
         parts = [_fields(_called(key, one, value.size, k), one, depth) for k, one in enumerate(value.flat, 1)]
         return _together(zip((f"{key} {k}" for k in range(1, len(parts) + 1)), parts, strict=True))
-    if not isinstance(value, np.ndarray) or value.ndim != 2 or value.dtype.kind not in "fiu":
+    if not isinstance(value, np.ndarray) or value.ndim != 2:
         return {}
-    across = value if value.shape[0] >= value.shape[1] else value.T
-    if len(across) < FEWEST:
-        return {}
-    if across.shape[1] == 1:
-        return {key: across[:, 0].astype(float)}
-    return {f"{key} {k}": one.astype(float) for k, one in enumerate(across.T, 1)}
-
-
-def _length(columns: dict[str, Floats]) -> int:
-    """How many numbers the time has, or else most of the arrays."""
-    times = [one.size for key, one in columns.items() if meaning(key).kind == TIME]
-    sizes = [one.size for one in columns.values()]
-    return times[0] if times else max(sizes, key=sizes.count, default=0)
+    return columns_in(key, value.ravel() if 1 in value.shape else value)

@@ -11,9 +11,8 @@ import pandas as pd
 
 from ...arrays import Floats
 from ...errors import InputError
-from .elements import Columns
+from .elements import FEWEST, Columns, columns_in, no_arrays
 
-FEWEST = 10  # numbers in an array; a shorter one is a setting
 LARGEST = 200_000_000  # bytes: it is held whole
 _MEND = "save its columns as a CSV file"
 
@@ -45,9 +44,7 @@ def saved_arrays(source: BinaryIO, name: str) -> dict[str, Columns]:
     length = max(sizes, key=sizes.count, default=0)
     kept = {key: one for key, one in found.items() if one.size == length}
     if len(kept) < 1 or length < FEWEST:
-        raise InputError(
-            name, f"it holds no array of {FEWEST} numbers or more", "arrays of a time and a swing", _MEND
-        )
+        raise no_arrays(name, _MEND)
     kind = "JSON" if ending == ".json" else "numpy"
     return {"": Columns.of_arrays(kept, kind)}
 
@@ -86,9 +83,4 @@ def _numbers(values: Any) -> Floats:
 def _columns(key: str, value: np.ndarray) -> dict[str, Floats]:
     if value.dtype.names:
         return {str(name): value[name].astype(float).ravel() for name in value.dtype.names}
-    if value.dtype.kind not in "fiu" or value.ndim not in (1, 2) or max(value.shape, default=0) < FEWEST:
-        return {}
-    if value.ndim == 1:
-        return {key: value.astype(float)}
-    across = value if value.shape[0] >= value.shape[1] else value.T
-    return {f"{key} {k}": one.astype(float) for k, one in enumerate(across.T, 1)}
+    return columns_in(key, value)

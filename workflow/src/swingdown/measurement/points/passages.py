@@ -14,11 +14,11 @@ import xarray as xr
 
 from ...arrays import Floats, longest
 from ...errors import InputError
+from ...pendulum.half_swings import half_swings
 from ...rounding import moment
 from ..files.columns import COUNTS, TIME, UNTOLD, VOLTAGE, Meaning, place_of
 from ..files.source import Table
 from ..sheet import TIME_UNITS
-from ..swings.half_swings import half_swings
 from .points_recording import PASSED, about_file, as_recording
 from .points_table import is_number, peeked
 from .swing_counts import FEWEST, counts

@@ -16,11 +16,25 @@ from .turning_points import BOTH_SIDES, ONE_SIDE, Points
 
 POINTS_ALONE = "points alone"  # the code of the refusal to search points of the motion
 NOT_IN_IT = "points of the motion only: what a torque does between them is not in the data"
+_CARRIED = [
+    "recording",
+    "campaign",
+    "role",
+    "file",
+    "sha256",
+    "source",
+    "label",
+    "emulated",
+    "points",
+    "kind",
+    "remarks",
+    "taken",
+]  # to its angles
 READ, COUNTED, PASSED = "turning points", "turning points without times", "passages without speeds"
 
 
 def about_file(table: Table, row: Mapping[str, Any], taken: str) -> dict[str, Any]:
-    """What is to be known of a file of points: names, source, and how it was ``taken``."""
+    """What is to be known of a recording's file: names, source, and how it was ``taken``."""
     return {key: row[key] for key in ("recording", "campaign", "role", "file")} | {
         **({"label": row["label"]} if row.get("label") else {}),
         "source": table.about.get("source", "as recorded by its owner"),
@@ -74,20 +88,6 @@ def to_angle(recording: xr.Dataset) -> xr.Dataset:
     of_angles: dict[str, float] = {"rad": 1.0, "deg": 180 / pi}
     passed = recording.attrs["points"] == PASSED
     scale = of_angles[unit] if unit in of_angles else 1.0 if passed else 100 * float(np.abs(readings).max())
-    about = [
-        "recording",
-        "campaign",
-        "role",
-        "file",
-        "sha256",
-        "source",
-        "label",
-        "emulated",
-        "points",
-        "kind",
-        "remarks",
-        "taken",
-    ]
     step = 0.0 if passed else quantisation_step(np.abs(readings)) / scale
     timed = recording.attrs["points"] != COUNTED
     return xr.Dataset(
@@ -97,7 +97,7 @@ def to_angle(recording: xr.Dataset) -> xr.Dataset:
         },
         {"time": recording["time"]},
         {
-            **{key: recording.attrs[key] for key in about if key in recording.attrs},
+            **{key: recording.attrs[key] for key in _CARRIED if key in recording.attrs},
             "expected_samples": readings.size,
             "clock_uncertainty": recording.attrs["clock_tolerance"] / np.sqrt(3),
             "mode": "scatter about the fit", "systematic": "not known: no calibration; set to 0",

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ...arrays import Floats, longest
-from ...pendulum.ideal import lengthening
+from ...pendulum.half_swings import lengthening
 
 FEWEST = 6  # turning points: three terms of damping and a first angle, and two more to tell their scatter
 _PARTS = 6  # into which the shortest gap is divided for an interval that all gaps are multiples of

@@ -14,8 +14,8 @@ from scipy.special import bdtr, stdtrit
 
 from ...arrays import Bools, Floats, longest
 from ...errors import InputError
+from ...pendulum.half_swings import half_swings, middles
 from ...rounding import moment
-from ..swings.half_swings import half_swings, middles
 from .swing_counts import FEWEST, counts
 
 SWING, ONE_SIDE, BOTH_SIDES = "swing", "turning_points", "half_swings"
@@ -214,7 +214,7 @@ def _is_sampled(times: Floats, size: Floats) -> bool:
     at = np.linspace(-1, 1, size.size)
     coefficients, covariance = np.polyfit(at, size, 2, cov="unscaled")
     left = size - np.polyval(coefficients, at)
-    error = float(np.sqrt(covariance[0, 0] * (left @ left) / max(size.size - 3, 1)))
+    error = float(np.sqrt(covariance[0, 0] * (left @ left) / (size.size - 3)))
     concave = coefficients[0] < -_SURE * error and coefficients[0] < -0.05 * np.ptp(size)
     # about its envelope a series scatters to either side by chance; a swing stays on one for some samples
     beside = size - np.polyval(np.polyfit(at, size, _SMOOTH), at)

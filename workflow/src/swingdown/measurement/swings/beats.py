@@ -4,7 +4,7 @@ import numpy as np
 
 from ...arrays import Floats
 from ...errors import InputError
-from .half_swings import half_swings
+from ...pendulum.half_swings import half_swings
 
 SECOND = 1 / 3  # of the first motion's size: less disturbs it, and is none of two
 EXPLAINED = 0.8  # of the mean square, by both together; what a hand moves is no such sum

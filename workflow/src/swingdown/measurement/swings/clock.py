@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from ...arrays import Bools, Floats
 from ...errors import InputError
+from ...pendulum.half_swings import half_swings
 from ...rounding import moment
-from .half_swings import half_swings
 from .noise_level import scatter
 
 UNEVEN = 0.2  # of the usual interval: a step that differs by less is an even one

@@ -4,12 +4,12 @@ import numpy as np
 
 from ...arrays import Bools, Floats
 from ...errors import InputError
+from ...pendulum.half_swings import half_swings, passages
 from ...quantisation import quantisation_step
 from ...rounding import moment
 from .clock import UNEVEN
 from .even import evenly
 from .gaps import missing_samples
-from .half_swings import half_swings, passages
 from .renumbered import lost_evenly
 from .spikes import MOST, SIDE, Spikes, beside_holes, find_spikes, kernel, standing_out
 

@@ -6,9 +6,9 @@ import numpy as np
 
 from ...arrays import Floats
 from ...errors import InputError
+from ...pendulum.half_swings import half_swings, passages
 from ...rounding import moment
 from .even import Even, evenly
-from .half_swings import half_swings, passages
 
 _NEAR = 12  # half-swings beside a hole that tell its period
 COUNTED = 0.25  # swings: what lies in a hole is counted if it is known better than this

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...arrays import Floats, runs
-from .half_swings import Swings, half_swings
+from ...pendulum.half_swings import Swings, half_swings
 from .noise_level import noise_level
 
 WINDOW = 0.25  # of a period: the stretch of samples from which an acceleration is told

@@ -7,8 +7,8 @@ from scipy.optimize import least_squares
 
 from ...arrays import Floats
 from ...engine.trajectory import TrajectoryError, sensitivities
+from ...pendulum.half_swings import half_swings, quickening
 from ...pendulum.model import Model
-from .half_swings import half_swings
 
 ASSUMED = ("viscous", "quadratic_drag")
 BACK = np.array([1.0, -1.0, -1.0, 1.0, -1.0])  # what turns round with time: drag and the velocity
@@ -57,13 +57,16 @@ def lifted_until(times: Floats, angle: Floats) -> float | None:
 def _fitted(times: Floats, angle: Floats, halves: int) -> tuple[Floats, Floats, float]:
     """Fitted values (the model's, then angle and velocity at the first sample), their covariance for errors of 1 rad, and what the fit leaves (rad, RMS)."""
     amplitude = min(float(np.abs(angle).max()), 0.98 * pi)
-    mean, part = 1.0, np.cos(amplitude / 2)
-    for _ in range(6):  # the period of a large swing, by the arithmetic-geometric mean
-        mean, part = (mean + part) / 2, np.sqrt(mean * part)
     start = max(1, len(times) // (halves * 10))
     found = least_squares(
         lambda values: _motion(values, times)[0] - angle,
-        [pi * halves / times[-1] / mean, 0.01, 0.0, angle[0], (angle[start] - angle[0]) / times[start]],
+        [
+            pi * halves / times[-1] / quickening(amplitude),
+            0.01,
+            0.0,
+            angle[0],
+            (angle[start] - angle[0]) / times[start],
+        ],
         jac=lambda values: _motion(values, times)[1].T,
         bounds=([0.0, 0.0, 0.0, -np.inf, -np.inf], np.inf),  # a drag that pushes may run away
         x_scale="jac",

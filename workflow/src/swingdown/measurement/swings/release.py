@@ -8,9 +8,9 @@ import xarray as xr
 
 from ...arrays import Floats
 from ...errors import InputError
+from ...pendulum.half_swings import Swings, half_swings
 from ...quantisation import quantisation_step
 from ..sheet import rows_of_parts
-from .half_swings import Swings, half_swings
 from .hand import held_still, stretches
 from .lift import lifted_until
 from .noise_level import noise_level

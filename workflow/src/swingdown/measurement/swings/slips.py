@@ -3,9 +3,9 @@
 import numpy as np
 
 from ...arrays import Floats
+from ...pendulum.half_swings import half_swings, passages
 from ..plausibility import STEADY
 from .clock import UNEVEN
-from .half_swings import half_swings, passages
 
 SLIP = 0.05  # of a period: of a fit through both sides it leaves 0.08 of the swing (RMS), and its values are doubtful
 HIDES = 0.25  # of a period: a longer hole may hide a half-swing

@@ -7,9 +7,9 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ...arrays import Bools, Floats, runs
+from ...pendulum.half_swings import half_swings
 from ...quantisation import quantisation_step
 from .even import Even, evenly
-from .half_swings import half_swings
 
 SIDE = 6  # samples on each side of a place that is looked at
 ODD = 12.0  # local standard deviations, beyond which a jump or spike is told; measured on recordings that have none
