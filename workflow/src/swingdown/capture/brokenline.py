@@ -47,13 +47,8 @@ class BrokenLine:
     """The line of least squares through (times, values) that bends and jumps at ``breaks``; ``scatter`` is a point's deviation."""
 
     def __init__(self, times: Floats, values: Floats, scatter: float, breaks: Breaks = STRAIGHT):
-        self.first, self.end, self.scatter, self.count = (
-            float(times[0]),
-            float(times[-1]),
-            scatter,
-            len(times),
-        )
-        self.breaks = breaks
+        self.first, self.end = float(times[0]), float(times[-1])
+        self.scatter, self.count, self.breaks = scatter, len(times), breaks
         design = self._design(times)
         self._terms = np.linalg.lstsq(design, values, rcond=None)[0]
         self._covariance = scatter**2 * np.linalg.pinv(design.T @ design)

@@ -67,7 +67,11 @@ def read_journal(path):
             except OSError as error:
                 if error.errno not in (errno.EWOULDBLOCK, errno.EACCES):
                     raise
-                raise _running(path) from None
+                problem, mend = (
+                    "a capture of this name is still running",
+                    "wait for it, or stop it with Ctrl-C",
+                )
+                raise InputError(path, problem, "one at a time", mend, RUNNING) from None
             settings = json.loads(file.readline())
             pieces = []
             while len(head := file.read(_HEAD.size)) == _HEAD.size:
@@ -107,13 +111,3 @@ def in_the_way(path: Path) -> InputError:
 def recovery(path: Path) -> str:
     """What asks on the command line for the recording of a journal."""
     return f"`--config recording={path.stem} recover=true`"
-
-
-def _running(path):
-    return InputError(
-        path,
-        "a capture of this name is still running",
-        "one at a time",
-        "wait for it, or stop it with Ctrl-C",
-        RUNNING,
-    )

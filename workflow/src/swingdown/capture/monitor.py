@@ -84,11 +84,8 @@ class Monitor:
         if not (limits := self.settings.get("range")):
             return []
         count = saturated([row.value * self.recorder.scale for row in self.recorder.order.rows], limits)
-        if count:
-            return [
-                f"SATURATED: {count} of the last samples are at the end of {limits[0]:g} to {limits[1]:g}"
-            ]
-        return []
+        told = f"SATURATED: {count} of the last samples are at the end of {limits[0]:g} to {limits[1]:g}"
+        return [told] if count else []
 
 
 def went_away(opened, error, before="", then=""):

@@ -9,9 +9,8 @@ from .formats import Sample
 
 SLACK = 2.0  # s; how late a sample may be told by the host beyond what its clock says
 AGAIN = 256  # samples; a repeated block is not longer, and reaches not further back
-ANEW = (
-    3  # samples that follow from one another and not from the last: the board began anew, and it is no damage
-)
+# samples that follow from one another and not from the last: the board began anew, and it is no damage
+ANEW = 3
 COARSE = 0.25  # of an interval; a device's clock with larger steps cannot place a sample by itself
 
 

@@ -77,12 +77,8 @@ class Telephone:
     def __init__(
         self, remote: "_Remote", channel: _Channel, axis: str, looked: "_Look", began: "_Began"
     ) -> None:
-        self._remote, self._clock, self._rate, self._began = (
-            remote,
-            channel.clock,
-            channel.rates[axis],
-            began,
-        )
+        self._remote, self._began = remote, began
+        self._clock, self._rate = channel.clock, channel.rates[axis]
         self._ended = ""  # what was done on the telephone that ended it
         self.rate, self._last = looked.rate, looked.last
         self.name = f"{remote.name} ({channel.title})"

@@ -6,9 +6,8 @@ import numpy.typing as npt
 from ..rounding import value_with_uncertainty
 from . import clocks
 
-UNLIKE = (
-    0.2  # part; with an interval that far from 1/rate_hz, times alone do not tell how many samples are lost
-)
+# part; with an interval that far from 1/rate_hz, times alone do not tell how many samples are lost
+UNLIKE = 0.2
 _LISTED = 3  # stalls, or rates, that are told one by one
 
 

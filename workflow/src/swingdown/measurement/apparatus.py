@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import NotRequired, TypedDict, cast
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,68 +14,15 @@ from ..schema import check, read_yaml
 from .straight_line import FEWEST
 from .uncertainty import Input, from_limit
 
-
-class Length(TypedDict):
-    """A length and the half width of the interval that holds it, in m."""
-
-    value: float
-    limit: float
-    distribution: NotRequired[str]
-
-
-class Point(TypedDict):
-    """A tower height with its limit (m), and the record in volts that belongs to it."""
-
-    height: float
-    limit: float
-    file: str
-    distribution: NotRequired[str]
-    time_column: NotRequired[str]
-    time_unit: NotRequired[str]
-    signal_column: NotRequired[str]
-    sha256: NotRequired[str]
-    partial: NotRequired[str]
-
-
-class EncoderLimit(TypedDict):
-    """The encoder's limit of error for readings up to a voltage, both in V."""
-
-    up_to: float
-    limit: float
-
-
-class Encoder(TypedDict):
-    """What the encoder's manual says of its error."""
-
-    limits: list[EncoderLimit]
-    kind: str
-    step: NotRequired[float]
-
-
-class Rest(TypedDict):
-    """How far from the vertical friction may hold the pendulum at rest, in rad."""
-
-    limit: float
-
-
-class Apparatus(TypedDict):
-    """An apparatus sheet as ``apparatus.schema.yaml`` lets it through, and its path."""
-
-    name: str
-    emulated: bool
-    campaigns: list[str]
-    lengths: dict[str, Length]
-    points: list[Point]
-    encoder: Encoder
-    rest: Rest
-    path: str
-
+Apparatus = dict[
+    str, Any
+]  # a sheet as ``apparatus.schema.yaml`` lets it through, with its ``path``; lengths in m, voltages in V
 
 _SHARED = ("over_shaft", "shaft_diameter", "bob_diameter", "arm")
 
 
 def read_apparatus(path: str | Path, check_files: bool = True) -> Apparatus:
-    """The ``Apparatus`` of a sheet, defaults filled in.
+    """The content of an apparatus sheet, defaults filled in.
 
     Parameters
     ----------
@@ -98,9 +45,7 @@ def read_apparatus(path: str | Path, check_files: bool = True) -> Apparatus:
             "a YAML file",
             "correct the key `apparatus` of the config",
         )
-    apparatus = cast(
-        Apparatus, check(read_yaml(found, path), "apparatus.schema.yaml", path) | {"path": str(path)}
-    )
+    apparatus: Apparatus = check(read_yaml(found, path), "apparatus.schema.yaml", path) | {"path": str(path)}
     points = apparatus["points"]
     if len(points) < FEWEST:
         raise InputError(
@@ -172,7 +117,7 @@ def length_inputs(apparatus: Apparatus) -> tuple[list[Input], list[Input]]:
     return shared, heights
 
 
-def _length(name: str, entry: Length | Point, value: float) -> Input:
+def _length(name: str, entry: dict[str, Any], value: float) -> Input:
     return from_limit(name, value, entry["limit"], entry.get("distribution", "uniform"), unit="m")
 
 

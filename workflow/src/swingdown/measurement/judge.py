@@ -207,23 +207,19 @@ def check_used(times: Floats, judged: Judged, used: slice, place: str, partial: 
 
 def _check_swings(signal: Floats, reading: Reading, passed: int, place: str) -> None:
     """InputError for what is long enough, passes its middle ``passed`` times, and does not swing: it turns over, or rests at once."""
-    expected = "a pendulum that swings back and forth about where it hangs"
     in_turns = 0.0 if reading.unit in TO_RAD_PER_S else (reading.scale or 0.0) / (2 * np.pi)
     turns = float(np.ptp(signal)) * in_turns
     if turns > 1 and reading.restoring == "sine":
-        raise InputError(
-            place,
-            f"it turns over and over: from end to end it makes {turns:.1f} turns",
-            expected,
-            "leave out the part in which it turns over (⟨start_s⟩ and ⟨stop_s⟩)",
+        problem = f"it turns over and over: from end to end it makes {turns:.1f} turns"
+        mend = "leave out the part in which it turns over (⟨start_s⟩ and ⟨stop_s⟩)"
+    elif np.ptp(signal[-(signal.size // 4) :]) < _AT_REST * np.ptp(signal):
+        problem = (
+            f"it is braked so much that it comes to rest without a swing: it passes its middle {passed} times"
         )
-    if np.ptp(signal[-(signal.size // 4) :]) < _AT_REST * np.ptp(signal):
-        raise InputError(
-            place,
-            f"it is braked so much that it comes to rest without a swing: it passes its middle {passed} times",
-            expected,
-            "brake it less, or name the column of the angle",
-        )
+        mend = "brake it less, or name the column of the angle"
+    else:
+        return
+    raise InputError(place, problem, "a pendulum that swings back and forth about where it hangs", mend)
 
 
 def used_part(

@@ -67,13 +67,7 @@ def unpacked(source: BinaryIO, name: str, part: str) -> Inside | None:
                 "a zip archive or a workbook",
                 "export it again",
             ) from error
-        if size > LARGEST:
-            raise InputError(
-                name,
-                f"the workbook has {size / 1e6:.0f} MB when unpacked",
-                f"at most {LARGEST / 1e6:.0f} MB",
-                "save the sheet as CSV, which is read in pieces",
-            )
+        _check_size(name, "the workbook", size, "save the sheet as CSV, which is read in pieces")
     source.seek(0)
     return _sheet(source, name, part)
 
@@ -106,22 +100,15 @@ def _sheet(source: BinaryIO, name: str, part: str) -> Inside:
 
 def _member(archive: zipfile.ZipFile, name: str, part: str) -> Inside:
     """The file of that name, or the only one of numbers; what stands in a folder `meta` tells of the device."""
-    files = [
-        one
-        for one in archive.namelist()
-        if one.lower().endswith(TEXT + OTHERS) and not {"meta", "__MACOSX"} & set(one.split("/")[:-1])
-    ]
+    beside = {"meta", "__MACOSX"}
+    all_ = [one for one in archive.namelist() if not (one.endswith("/") or beside & set(one.split("/")[:-1]))]
+    files = [one for one in all_ if one.lower().endswith(TEXT + OTHERS)]
     if part and part not in archive.namelist():
         raise _no_part(name, part, files, "file")
     if not files:
         raise InputError(
             name, "the archive holds no table of numbers", "a CSV file in it, or a workbook", UNPACK
         )
-    all_ = [
-        one
-        for one in archive.namelist()
-        if not one.endswith("/") and not {"meta", "__MACOSX"} & set(one.split("/")[:-1])
-    ]
     if not part and len(files) > 1:  # notes are no recording
         tables = []
         for one in files:
@@ -139,18 +126,19 @@ def _member(archive: zipfile.ZipFile, name: str, part: str) -> Inside:
         several.names, several.others = tuple(files), tuple(one for one in all_ if one not in files)
         raise several
     chosen = part or files[0]
-    if (size := archive.getinfo(chosen).file_size) > LARGEST:
-        raise InputError(
-            name,
-            f"`{chosen}` in it has {size / 1e6:.0f} MB when unpacked",
-            f"at most {LARGEST / 1e6:.0f} MB",
-            "unpack the archive: a CSV file by itself is read in pieces",
-        )
+    mend = "unpack the archive: a CSV file by itself is read in pieces"
+    _check_size(name, f"`{chosen}` in it", archive.getinfo(chosen).file_size, mend)
     copy = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the last reference
     with archive.open(chosen) as packed:
         shutil.copyfileobj(packed, copy)
     copy.seek(0)
     return Inside(copy, f"`{chosen}` in the archive", chosen if chosen.lower().endswith(OTHERS) else "")
+
+
+def _check_size(name: str, what: str, size: int, mend: str) -> None:
+    if size > LARGEST:
+        problem = f"{what} has {size / 1e6:.0f} MB when unpacked"
+        raise InputError(name, problem, f"at most {LARGEST / 1e6:.0f} MB", mend)
 
 
 def _no_part(name: str, part: str, there: list[str], what: str) -> InputError:

@@ -7,7 +7,10 @@ import zlib
 from collections.abc import Iterator, Mapping
 from typing import Any, BinaryIO
 
+import numpy as np
+
 from ...errors import InputError
+from .elements import number
 from .workbook import cells, sheet
 
 DEVICE, EVENTS = ("meta/device.csv", "Metadata Device"), ("meta/time.csv", "Metadata Time")
@@ -33,7 +36,7 @@ def told(source: BinaryIO) -> tuple[dict[str, str], tuple[str, ...]]:
     begun = next((str(row[3]) for row in events if row[0] == "START"), "")
     # after the last pause nothing follows unless it is started again
     pauses = [row for row, following in zip(events, events[1:], strict=False) if (row[0], following[0]) == ("PAUSE", "START")]  # fmt: skip
-    at = ", ".join(f"{seconds:.2f}" for row in pauses if (seconds := _number(row[1])) is not None)
+    at = ", ".join(f"{seconds:.2f}" for row in pauses if np.isfinite(seconds := number(str(row[1]))))
     paused = (f"phyphox was paused at {at} s and its time goes on as if it had not been",) if at else ()
     return {key: value for key, value in (("device", model), ("begun", begun)) if value}, paused
 
@@ -59,10 +62,3 @@ def _in_workbook(source: BinaryIO) -> Mapping[str, list[list[Any]]]:
     names, _ = sheet(source, "", DEVICE[1])
     asked = {key: name for key, (_, name) in (("device", DEVICE), ("events", EVENTS)) if name in names}
     return {key: cells(source, "", name) for key, name in asked.items()}
-
-
-def _number(cell: str | float) -> float | None:
-    try:
-        return float(str(cell).replace(",", "."))
-    except ValueError:
-        return None

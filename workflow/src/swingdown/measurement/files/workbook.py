@@ -10,9 +10,8 @@ from typing import BinaryIO
 from ...errors import InputError
 from ...extras import needed
 
-MEMORY = (
-    4_000_000_000  # bytes that reading may take: a sheet of a million rows and ten columns takes a quarter
-)
+# bytes that reading may take: a sheet of a million rows and ten columns takes a quarter
+MEMORY = 4_000_000_000
 _SECONDS = 120
 _NO_ROOM = 17  # the exit code for want of memory; below 0 where the system ends it for that
 # Prints the sheets' names in the first line, then the rows of the one asked for.

@@ -26,9 +26,8 @@ from ..files.elements import Columns
 from ..positions import TIGHT
 from .bob import Blob, Look, Pictures, looks_of
 
-LONGEST_SIDE = (
-    640  # px in which the bob is looked for: blocks of pixels, averaged, have the same centre of mass
-)
+# px in which the bob is looked for: blocks of pixels, averaged, have the same centre of mass
+LONGEST_SIDE = 640
 WINDOWS, OF_EACH = 12, 5  # parts of the film, and frames of each that tell the background and the bob
 AREA = 0.15  # share by which the area may differ from the usual one; beyond, some of the bob is hidden or something is added
 GAIN = 0.05  # share by which angles are wrong at most from a camera two lengths of the pendulum away, held square by eye to within 10°

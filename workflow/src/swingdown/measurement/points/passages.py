@@ -66,9 +66,9 @@ def passages(table: Table, row: Mapping[str, Any], place: str) -> tuple[Table, x
     """
     stated = str(row.get("signal_kind", ""))
     ours = stated in (PASSAGES, PERIODS)
-    if (stated and not ours) or row.get("rate_hz", np.nan) > 0 or row.get("role") == "static":
+    if stated and not ours:
         return table, None
-    rows, table = peeked(table)
+    rows, table = peeked(table, row)
     if rows is None or rows.empty:
         return table, None
     gate = _gate(rows, table, row)
@@ -89,19 +89,14 @@ def passages(table: Table, row: Mapping[str, Any], place: str) -> tuple[Table, x
 
 def ask_periods(table: Table, row: Mapping[str, Any], place: str) -> Table:
     """The table, to be read on; InputError where all that it holds are numbers, nearly alike in each column, and nobody says what they are."""
-    if (
-        row.get("signal_kind")
-        or row.get("rate_hz", np.nan) > 0
-        or row.get("role") == "static"
-        or row["signal_column"]
-    ):
+    if row.get("signal_kind") or row["signal_column"]:
         return table
-    rows, table = peeked(table)
+    rows, table = peeked(table, row)
     if rows is None or rows.empty:
         return table
-    columns = table.meanings
-    rest = [one for one in columns if not is_number(one, _sound(table.numbers(rows, one.name)), table)]
-    each = [_sound(table.numbers(rows, one.name)) for one in rest]
+    values = {one: _sound(table.numbers(rows, one.name)) for one in table.meanings}
+    rest = [one for one, own in values.items() if not is_number(one, own, table)]
+    each = [values[one] for one in rest]
     if not rest or any(one.kind != UNTOLD for one in rest) or not all(map(_like_periods, each)):
         return table
     several = (

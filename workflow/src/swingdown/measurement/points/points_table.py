@@ -44,13 +44,9 @@ def turning_points(table: Table, row: Mapping[str, Any], place: str) -> tuple[Ta
     is the last word. InputError where one of several readings must be chosen, and for too few points.
     """
     stated = str(row.get("signal_kind", ""))
-    if (
-        stated in (SWING, PASSAGES, PERIODS)
-        or row.get("rate_hz", float("nan")) > 0
-        or row.get("role") == "static"
-    ):
+    if stated in (SWING, PASSAGES, PERIODS):
         return table, None
-    first, table = peeked(table)
+    first, table = peeked(table, row)
     if first is None:
         return table, None
     columns = _columns(table, row)
@@ -80,8 +76,11 @@ def turning_points(table: Table, row: Mapping[str, Any], place: str) -> tuple[Ta
     return table, _dataset(points, columns, row, table, unit, (stated_u[0] * scale, stated_u[1]))
 
 
-def peeked(table: Table) -> tuple[pd.DataFrame | None, Table]:
-    """The numbers of a small table, and the table as it was before they were read; None of a larger one."""
+def peeked(table: Table, row: Mapping[str, Any]) -> tuple[pd.DataFrame | None, Table]:
+    """The numbers of a small table, and the table as it was before they were read; None of a larger one, or where the ``row`` states a rate
+    or a bob at rest."""
+    if row.get("rate_hz", np.nan) > 0 or row.get("role") == "static":
+        return None, table
     pieces, seen = iter(table.pieces), []
     problem: InputError | None = None
     try:

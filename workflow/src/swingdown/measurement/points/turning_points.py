@@ -21,9 +21,8 @@ from .swing_counts import FEWEST, counts
 SWING, ONE_SIDE, BOTH_SIDES = "swing", "turning_points", "half_swings"
 PASSAGES, PERIODS = "passages", "periods"  # through a light gate: each, or one a period
 KINDS = (SWING, ONE_SIDE, BOTH_SIDES, PASSAGES, PERIODS)
-_NOISE = (
-    0.2  # of the range: what a falling series scatters about a parabola; a sine's RMS is more than a third
-)
+# of the range: what a falling series scatters about a parabola; a sine's RMS is more than a third
+_NOISE = 0.2
 FASTEST = 0.1  # s; a pendulum with this period is 2.5 mm long
 _SMOOTH = 5  # degree of a polynomial that follows any envelope, and no swing of as many sides
 _WRONG = 0.1  # of the signs of turning points: more are none of both sides by turns

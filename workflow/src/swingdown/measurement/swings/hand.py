@@ -11,13 +11,11 @@ from .noise_level import noise_level
 WINDOW = 0.25  # of a period: the stretch of samples from which an acceleration is told
 LEARNED = 8  # half-swings from which weight and friction are learned
 STRONG = 0.15  # of the largest pull of the weight in those; a hand that holds or lifts does not do less
-ODD = (
-    6.0  # standard deviations of what weight and friction leave there, as noise and effects without a name do
-)
+# standard deviations of what weight and friction leave there, as noise and effects without a name do
+ODD = 6.0
 BRIEF = 0.08  # of a period: at the ends of a recording it is strong for longer
-SHORT = (
-    1.2  # windows: a spike or a jump is in no more of them, so a hand within a recording is strong for longer
-)
+# windows: a spike or a jump is in no more of them, so a hand within a recording is strong for longer
+SHORT = 1.2
 CLOSE = 0.75  # of a period: what is strong twice within it is one hand
 
 

@@ -7,9 +7,8 @@ from ...errors import InputError
 from ...rounding import moment
 
 PLATEAU = 4  # samples at the highest value of one top before it is looked at
-EDGES = (
-    2  # samples that noise may put on the other side of a step, one where a top begins and one where it ends
-)
+# samples that noise may put on the other side of a step, one where a top begins and one where it ends
+EDGES = 2
 STEPS = 8  # quantisation steps below it that are compared with it
 CLEAR = 16  # quantisation steps that a stretch beside it falls by, in which rounding is little
 

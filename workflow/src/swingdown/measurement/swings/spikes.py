@@ -16,9 +16,8 @@ ODD = 12.0  # local standard deviations, beyond which a jump or spike is told; m
 SEEN = 0.004  # of the range; smaller ones are not told
 MOST = 0.01  # of the samples; more are no accidents, and are not left out
 LONGEST = 6  # samples: a run of more is something that happened to the pendulum or the sensor
-BETTER = (
-    60.0  # in chi-square, by which samples left out explain a place better than a break in the swing does
-)
+# in chi-square, by which samples left out explain a place better than a break in the swing does
+BETTER = 60.0
 # samples on each side that tell how the swing goes on: fewer where they are more than a swing
 BESIDE = (12, 8)
 ALIKE = 3.0  # local standard deviations, below which a sample goes on as those about it
