@@ -12,7 +12,7 @@ from swingdown.fitting.uncertainty import uncertainty
 from swingdown.measurement.angle import to_angle
 from swingdown.measurement.recording import ingest
 from swingdown.measurement.sheet import read_sheet
-from swingdown.measurement.swings.spikes import find_spikes
+from swingdown.measurement.swings.spikes import SIDE, find_spikes, kernel
 from swingdown.pendulum.model import Model
 from swingdown.plots.recordings import used_part
 
@@ -183,3 +183,12 @@ def test_nothing_of_the_bench_and_of_real_pendulums_is_left_out(shared_data, roo
             except InputError:
                 continue  # refused for another reason
     assert count == 25
+
+
+@pytest.mark.parametrize("spike", [True, False])
+def test_a_kernel_tells_how_high_a_spike_or_a_jump_on_a_cubic_swing_is(spike):
+    weights = kernel(spike)
+    x = np.arange(weights.size) - (weights.size - 1) / 2
+    swing = 3 + 0.2 * x - 0.03 * x**2 + 0.001 * x**3 + (0.4 * np.abs(x) if spike else 0)  # a kink is none
+    assert weights @ (swing + 0.7 * (x == 0 if spike else x > 0)) == pytest.approx(0.7)
+    assert weights.size == 2 * SIDE + spike  # six on each side

@@ -217,3 +217,15 @@ def test_sides_are_taken_for_unequal_by_chance_as_often_as_is_asked_for():
     shifted = sizes[0] + 0.02 * (-1.0) ** np.arange(30)
     assert unequal_sides(shifted) == pytest.approx(0.02, abs=0.006)
     assert unequal_sides(shifted[:7]) == 0.0  # too few to tell
+
+
+@pytest.mark.parametrize(("step", "is_one"), [(0.105, True), (0.095, False)])
+def test_no_pendulum_turns_on_one_side_ten_times_a_second(step, is_one):
+    times = step * np.arange(30) + 1e-3 * step * SCATTER[0, :30]
+    assert (points_in(times, 0.3 * 0.97 ** np.arange(30), "here") is not None) is is_one
+
+
+def test_an_envelope_that_no_quintic_follows_is_no_swing_for_its_few_sides():
+    halves = np.arange(60)
+    sizes = 0.2 * np.exp(-halves / 6) + 0.2 * np.exp(-halves / 60)
+    assert points_in(T, sizes, "here") is not None

@@ -22,10 +22,10 @@ CALIBRATION = Path("results/calibration/calibration.nc")
 class Monitor:
     """Takes bytes as a recorder does and keeps the last seconds; ``lines`` says what an experimenter wants to know."""
 
-    def __init__(self, settings, opened, angle=None):
+    def __init__(self, settings, opened):
         self.settings = settings | {"trigger": None, "duration_s": None, "timeout_s": math.inf}
         self._threshold = (settings.get("trigger") or {}).get("threshold")
-        self._angle = angle or angle_of(settings)
+        self._angle = angle_of(settings)
         self.recorder = Recorder(self.settings, opened)
 
     def feed(self, data, arrival):

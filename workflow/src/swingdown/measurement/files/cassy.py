@@ -3,11 +3,9 @@
 from typing import BinaryIO
 from xml.etree.ElementTree import Element
 
-import pandas as pd
-
 from ...errors import InputError
 from .columns import TIME, meaning
-from .elements import Columns, distinct, number, roots, text_in
+from .elements import Columns, number, of_elements, roots, text_in
 
 PROGRAM = "CASSY Lab"
 
@@ -49,13 +47,9 @@ def _run(channels: list[Element]) -> Columns | None:
     ]
     if len(kept) < 2:
         return None
-    names = distinct([text_in(one, "quantity") for one, _ in kept], [text_in(one, "symbol") for one, _ in kept])  # fmt: skip
-    frame = pd.DataFrame({key: pd.Series(values) for key, (_, values) in zip(names, kept, strict=True)})
-    units = {key: unit for key, (one, _) in zip(names, kept, strict=True) if (unit := text_in(one, "unit"))}
     begun = next((date for one, _ in kept if (date := one.get("datetime"))), "")
-    return Columns(
-        frame, "channels of CASSY Lab", units, {"source": PROGRAM} | ({"begun": begun} if begun else {})
-    )
+    about = {"source": PROGRAM} | ({"begun": begun} if begun else {})
+    return of_elements(kept, ("quantity", "symbol", "unit"), "channels of CASSY Lab", about)
 
 
 def _values(channel: Element) -> list[float]:

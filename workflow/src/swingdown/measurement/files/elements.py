@@ -3,7 +3,7 @@
 import re
 import zipfile
 import zlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, BinaryIO, NamedTuple
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
@@ -36,6 +36,19 @@ class Columns(NamedTuple):
         return cls(
             pd.DataFrame(kept), f"arrays of {kind}{more}", about={"source": kind}, ordered=len(one) == 1
         )
+
+
+def of_elements(
+    filled: Sequence[tuple[Element, list[float]]],
+    tags: tuple[str, str, str],
+    layout: str,
+    about: dict[str, Any],
+) -> Columns:
+    """The Columns of elements with their numbers; ``tags`` hold what each is called, what tells it from others called so, and its unit."""
+    called, more, units = ([text_in(one, tag) for one, _ in filled] for tag in tags)
+    names = distinct(called, more)
+    frame = pd.DataFrame({key: pd.Series(values) for key, (_, values) in zip(names, filled, strict=True)})
+    return Columns(frame, layout, {key: unit for key, unit in zip(names, units, strict=True) if unit}, about)
 
 
 def columns_in(key: str, value: Any) -> dict[str, Floats]:

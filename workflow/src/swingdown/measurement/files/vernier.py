@@ -3,12 +3,11 @@
 from typing import BinaryIO
 from xml.etree.ElementTree import Element
 
-import pandas as pd
-
 from ...errors import InputError
-from .elements import Columns, distinct, number, roots, text_in
+from .elements import Columns, distinct, number, of_elements, roots, text_in
 
 PROGRAM, WAY = "Logger Pro", "with File > Export As > CSV"
+_TAGS = "DataObjectName", "DataObjectShortName", "ColumnUnits"
 
 
 def data_sets(source: BinaryIO, name: str) -> dict[str, Columns]:
@@ -18,7 +17,12 @@ def data_sets(source: BinaryIO, name: str) -> dict[str, Columns]:
         for one in root.iter("DataSet"):
             columns = [(column, cells) for column in one.findall("DataColumn") if (cells := _cells(column))]
             if len(columns) > 1:
-                found.append((text_in(one, "DataSetName"), _set(columns)))
+                found.append(
+                    (
+                        text_in(one, "DataSetName"),
+                        of_elements(columns, _TAGS, "columns of Logger Pro", {"source": PROGRAM}),
+                    )
+                )
     if not found:
         raise InputError(
             name,
@@ -28,16 +32,6 @@ def data_sets(source: BinaryIO, name: str) -> dict[str, Columns]:
         )
     names = distinct([key or "data set" for key, _ in found], [""] * len(found))
     return {key: columns for key, (_, columns) in zip(names, found, strict=True)}
-
-
-def _set(columns: list[tuple[Element, list[float]]]) -> Columns:
-    names = distinct(
-        [text_in(one, "DataObjectName") for one, _ in columns],
-        [text_in(one, "DataObjectShortName") for one, _ in columns],
-    )
-    frame = pd.DataFrame({key: pd.Series(cells) for key, (_, cells) in zip(names, columns, strict=True)})
-    units = {key: unit for key, (one, _) in zip(names, columns, strict=True) if (unit := text_in(one, "ColumnUnits"))}  # fmt: skip
-    return Columns(frame, "columns of Logger Pro", units, {"source": PROGRAM})
 
 
 def _cells(column: Element) -> list[float]:

@@ -212,7 +212,7 @@ def _of_columns(
     ]
     if len(speeds) + len(periods) < len(beside):
         return None
-    counted = _with_periods(clock, values[clock.name], values[periods[0].name], row) if periods else None
+    counted = _with_periods(clock, *_beside(values, clock, periods[0]), row) if periods else None
     if not speeds or (periods and counted is None):
         return counted
     found = _with_speeds(clock, speeds[0], values, row)
@@ -238,15 +238,11 @@ def _of_gates(
 
 def _with_periods(clock: Meaning, times: Floats, periods: Floats, row: Mapping[str, Any]) -> Gate | None:
     """Times with the period that ends at each."""
-    both = np.isfinite(times) & np.isfinite(periods)
-    found = (
-        _alone(clock, times[both], row)
-        if np.count_nonzero(both) > 2 and np.all(np.diff(times[both]) > 0)
-        else None
-    )
+    steps = np.diff(times)
+    found = _alone(clock, times, row) if steps.size > 1 and np.all(steps > 0) else None
     if found is None:
         return None
-    ratio = float(np.median(periods[both]) / np.median(np.diff(times[both])))
+    ratio = float(np.median(periods) / np.median(steps))
     kind = PERIODS if abs(ratio - 1) < _ALIKE / 2 else PASSAGES if abs(ratio - 2) < _ALIKE else None
     return None if kind is None else found._replace(kind=kind)
 
@@ -257,6 +253,12 @@ def _label(one: Meaning) -> str:
 
 def _sound(values: Floats) -> Floats:
     return values[np.isfinite(values)]
+
+
+def _beside(values: Mapping[str, Floats], clock: Meaning, other: Meaning) -> tuple[Floats, Floats]:
+    """The times, and what stands beside them, of the rows that have both."""
+    both = np.isfinite(values[clock.name]) & np.isfinite(values[other.name])
+    return values[clock.name][both], values[other.name][both]
 
 
 def _is_dark(one: Meaning) -> bool:
@@ -295,16 +297,11 @@ def _with_speeds(
     clock: Meaning, beside: Meaning, values: Mapping[str, Floats], row: Mapping[str, Any]
 ) -> Gate | None:
     """Times with the speed at each, or with the time for which the gate was dark."""
-    both = np.isfinite(values[clock.name]) & np.isfinite(values[beside.name])
-    times, read = values[clock.name][both], np.abs(values[beside.name][both])
-    if (
-        times.size < FEWEST
-        or not np.all(np.diff(times) > 0)
-        or not _alike(np.diff(times))
-        or not np.all(read > 0)
-    ):
+    times, read = _beside(values, clock, beside)
+    steps, read = np.diff(times), np.abs(read)
+    if times.size < FEWEST or not (np.all(steps > 0) and _alike(steps) and np.all(read > 0)):
         return None
-    scale, unit, told = _seconds(clock, float(np.median(np.diff(times))), row)
+    scale, unit, told = _seconds(clock, float(np.median(steps)), row)
     dark = _is_dark(beside)
     if not dark and not falls(read):  # samples of a speed
         return None
@@ -314,24 +311,16 @@ def _with_speeds(
         else (read, beside.written or "as written")
     )
     what = f"`{beside.name}` as {'the time that the gate was dark' if dark else 'speeds'}"
-    return _dying(
-        Gate(
-            scale * times,
-            speeds,
-            words,
-            "",
-            f"took `{clock.name}` as times of passages, in {unit}, {what}",
-            told,
-        )
-    )
+    taken = f"took `{clock.name}` as times of passages, in {unit}, {what}"
+    return _dying(Gate(scale * times, speeds, words, "", taken, told))
 
 
 def _of_states(
     clock: Meaning, state: Meaning, values: Mapping[str, Floats], row: Mapping[str, Any]
 ) -> Gate | None:
     """Passages from a gate's states: each begins where it goes dark and ends where it is light again."""
-    sound = np.isfinite(values[clock.name]) & np.isfinite(values[state.name])
-    times, dark = values[clock.name][sound], values[state.name][sound] > 0
+    times, states = _beside(values, clock, state)
+    dark = states > 0
     if np.any(np.diff(times) < 0) or not np.any(np.diff(dark)):
         return None
     stretches = (_blocked(times, dark), _blocked(times, ~dark))  # some gates tell 0 where it is dark
@@ -373,8 +362,7 @@ def _of_voltage(
 
     Whether it is passed twice a period is left open: that only unequal gaps tell.
     """
-    sound = np.isfinite(values[clock.name]) & np.isfinite(values[state.name])
-    times, read = values[clock.name][sound], values[state.name][sound]
+    times, read = _beside(values, clock, state)
     if state.kind not in (UNTOLD, VOLTAGE, COUNTS) or times.size < FEWEST or not np.all(np.diff(times) > 0):
         return None
     low, high = float(read.min()), float(read.max())

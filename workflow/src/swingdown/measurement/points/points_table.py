@@ -123,12 +123,9 @@ def _columns(table: Table, row: Mapping[str, Any]) -> Columns | None:
     if len(chosen) != 1 or clock.kind not in (TIME, UNTOLD) or chosen[0].kind not in (ANGLE, LENGTH, UNTOLD):
         return None
     signal = chosen[0]
-    errors = [one.name for one in found if one not in usable]
-    if "no header" in table.layout:
-        errors = []
-    return Columns(
-        clock, signal, *((errors + ["", ""])[:2] if len(errors) > 1 else ("", errors[0] if errors else ""))
-    )
+    headed = "no header" not in table.layout
+    errors = [one.name for one in found if one not in usable and headed]  # one alone is of the readings
+    return Columns(clock, signal, *["", "", *errors[:2]][-2:])
 
 
 def _inside(times: Floats, row: Mapping[str, Any]) -> np.ndarray:
@@ -138,16 +135,10 @@ def _inside(times: Floats, row: Mapping[str, Any]) -> np.ndarray:
 
 def is_number(clock: Meaning, values: Floats, table: Table) -> bool:
     """True for a column that counts the swings: it is called so, or has no name, and holds whole numbers one apart."""
-    whole = (
-        values.size > 1
-        and bool(np.all(values == np.round(values)))
-        and bool(np.all(np.diff(np.sort(values)) == 1))
-    )
-    return (
-        bool(_NUMBER.match(clock.name.strip()))
-        and bool(np.all(values == np.round(values)))
-        or (clock.kind == UNTOLD and whole)
-    )
+    if not np.all(values == np.round(values)):
+        return False
+    one_apart = values.size > 1 and bool(np.all(np.diff(np.sort(values)) == 1))
+    return bool(_NUMBER.match(clock.name.strip())) or (clock.kind == UNTOLD and one_apart)
 
 
 def _typical(rows: pd.DataFrame, name: str, decimal: str) -> float:

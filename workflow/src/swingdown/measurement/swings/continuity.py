@@ -11,7 +11,7 @@ from .clock import UNEVEN
 from .even import evenly
 from .gaps import missing_samples
 from .renumbered import lost_evenly
-from .spikes import MOST, SIDE, Spikes, beside_holes, find_spikes, kernel, standing_out
+from .spikes import MOST, SIDE, Spikes, beside_holes, kernel, standing_out
 
 SPIKE = "a spike"
 PHASE = "the pendulum is out of step with the clock, as where samples are lost,"
@@ -20,9 +20,8 @@ OUT_OF_STEP = 0.03  # of a half-swing's time; a smaller jump of the phase is not
 JITTER = 8.0  # standard deviations of what noise does to the time of a half-swing
 
 
-def check_continuous(times: Floats, signal: Floats, place: str, spikes: Spikes | None = None) -> list[str]:
-    """Remarks, each one line, on what is missing, on spikes, jumps and uneven times. ``spikes`` are those of the signal, where they are known."""
-    spikes = spikes or find_spikes(times, signal)
+def check_continuous(times: Floats, signal: Floats, place: str, spikes: Spikes) -> list[str]:
+    """Remarks, each one line, on what is missing, on spikes, jumps and uneven times."""
     even = evenly(times, spikes.healed)
     remarks = missing_samples(even, times)
     if not even.kept:
