@@ -14,9 +14,8 @@ from ..schema import check, read_yaml
 from .straight_line import FEWEST
 from .uncertainty import Input, from_limit
 
-Apparatus = dict[
-    str, Any
-]  # a sheet as ``apparatus.schema.yaml`` lets it through, with its ``path``; lengths in m, voltages in V
+# a sheet as ``apparatus.schema.yaml`` lets it through, with its ``path``; lengths in m, voltages in V
+Apparatus = dict[str, Any]
 
 _SHARED = ("over_shaft", "shaft_diameter", "bob_diameter", "arm")
 
