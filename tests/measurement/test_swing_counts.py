@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from swingdown.measurement.points.swing_counts import counts
-from swingdown.pendulum.ideal import lengthening
+from swingdown.pendulum.half_swings import lengthening
 
 
 def found(times, sizes=None):
