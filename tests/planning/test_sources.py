@@ -45,7 +45,7 @@ def test_imports_are_found_wherever_they_stand(script):
     assert names(imported(script(SCRIPT))) == [
         "swingdown/errors.py", "swingdown/rounding.py", "swingdown/pendulum/__init__.py", "swingdown/pendulum/model.py",
         "swingdown/paths.py", "swingdown_trials/find.py", "swingdown/engine/__init__.py", "swingdown/engine/trajectory.py",
-        "swingdown/sealed.py", "swingdown/schema.py",
+        "swingdown/schema.py", "swingdown/sealed.py",
     ]  # fmt: skip
 
 
