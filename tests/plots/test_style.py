@@ -1,6 +1,7 @@
 """A figure is the same file each time, whatever matplotlib is set to, and never half a file."""
 
 import ast
+import json
 from pathlib import Path
 
 import matplotlib
@@ -214,3 +215,11 @@ def test_the_dots_of_one_model_lie_apart_beside_its_place():
     across, along = axes.lines[0].get_data()
     assert list(along) == [1, 2, 3] and np.abs(across - 1.09).max() < 0.026
     assert np.abs(np.diff(across)).min() > 0.01
+
+
+def test_each_frozen_look_is_of_a_test_that_is_there(root):
+    """One whose name changed would be held against nothing."""
+    known = json.loads((root / "tests/plots/frozen.json").read_text())
+    for name in known:
+        file, test = name.split("[")[0].split("::")
+        assert f"\ndef {test}(" in (root / "tests/plots" / file).read_text(), name
