@@ -19,6 +19,7 @@ from swingdown.__main__ import main
 from swingdown.engine.trajectory import simulate
 from swingdown.pendulum.model import Model
 from swingdown.rounding import plus_minus
+from swingdown.studies.doubt import NotFree
 from swingdown.studies.words import headline
 
 TIMES = np.arange(1501) / 100
@@ -221,22 +222,25 @@ def test_what_does_not_die_away_is_told_no_law_of_damping(tmp_path, monkeypatch,
 
 
 @pytest.mark.slow("a search")
-def test_what_keeps_itself_going_is_not_said_to_be_stopped_by_half_an_explanation():
-    """Van der Pol's oscillator: a shaken support does part of it, whose damping would give a quality of 0.6 to what swings on."""
+@pytest.mark.parametrize(("gain", "from_where"), [(0.43, 0.3), (0.2, 0.3), (0.2, 2.0)])
+def test_what_keeps_itself_going_is_not_said_to_be_stopped_by_half_an_explanation(gain, from_where):
+    """Van der Pol's oscillator: a shaken support does part of it, whose damping would give a quality of 0.6 or 3 to what swings on."""
     times = np.arange(0, 60, 0.02)
     exact = solve_ivp(
-        lambda _, y: [y[1], -y[0] - 0.43 * (y[0] ** 2 - 1) * y[1]],
+        lambda _, y: [y[1], -y[0] - gain * (y[0] ** 2 - 1) * y[1]],
         (0, 60),
-        [0.3, 0.3],
+        [from_where, 0.0],
         t_eval=times,
         rtol=1e-9,
     ).y[0]
-    answer = swingdown.explain(
-        times, exact + np.random.default_rng(5).normal(0, 2e-3, times.size), unit="rad"
-    )
+    readings = exact + np.random.default_rng(5).normal(0, 2e-3, times.size)
+    try:
+        answer = swingdown.explain(times, readings, unit="rad")
+    except NotFree:  # a fit finds that it gains energy, or that nothing free moves so: no number is told
+        return
     assert answer.verdict["status"] in ("partial", "unknown")
-    assert answer.sentence.startswith("What stops it cannot be told: it does not die away. T = 6.3")
-    assert "quality" not in answer.quantities
+    assert answer.sentence.startswith("What stops it cannot be told: it does not die away. T = 6.")
+    assert not {"quality", "decay time", "viscous ratio"} & set(answer.quantities)
 
 
 @pytest.mark.parametrize("seed", [1, 2])

@@ -385,7 +385,9 @@ def test_what_does_not_die_away_has_no_effect_of_a_pendulum_unless_its_drive_was
     assert found["sentence"].startswith(cannot) != told
     assert (found["next_measurement"] or "").startswith("Switch off what drives it") != told
     assert verdict([first, last | {"driven": True}])["status"] == "named"
-    narrows = {"conclusion": last["conclusion"] | {"narrows": True}}
-    assert verdict([first, last | narrows])[
-        "dies_away"
-    ]  # its turning points say so, however unsure the model's loss
+    fades = {"decay_time": {"value": 30.0, "standard_uncertainty": 1.0, "unit": "s"}}
+    kept_up = {"quantities": quantities | fades, "of_the_whole": True}
+    for duration, dies in ((20.0, told), (60.0, False)):  # what fades within the record would be seen to narrow
+        there = last | {"conclusion": kept_up, "duration_s": duration}
+        assert verdict([first, there])["dies_away"] == dies
+        assert verdict([first, there | {"conclusion": kept_up | {"narrows": True}}])["dies_away"]

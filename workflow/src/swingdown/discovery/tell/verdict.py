@@ -68,7 +68,7 @@ class Verdict:
     @cached_property
     def dies_away(self) -> bool:
         """Whether swings are driven as was measured, or die away; effects of what does not may be a motor's."""
-        return bool(self.last.get("driven")) or _dies_away(self.last.get("conclusion"))
+        return bool(self.last.get("driven")) or _dies_away(self.last)
 
     @property
     def guard(self) -> dict[str, Any]:
@@ -207,9 +207,10 @@ class Verdict:
         }
 
 
-def _dies_away(concluded: Mapping[str, Any] | None) -> bool:
-    """Whether swings die in their turning points, or the model that a search ended with loses anything; what does not may be driven, and its
-    effects may be the motor's."""
+def _dies_away(told: Mapping[str, Any]) -> bool:
+    """Whether swings die in their turning points, or the model that a search ended with loses anything, and no more than would show in
+    them; what does not may be driven, and its effects may be the motor's."""
+    concluded = told.get("conclusion")
     if concluded is None or concluded.get("narrows"):
         return True
     known = {
@@ -217,7 +218,8 @@ def _dies_away(concluded: Mapping[str, Any] | None) -> bool:
         for name, one in concluded["quantities"].items()
         if one["value"] is not None
     }  # fmt: skip
-    return loss_seen(known)
+    fades = known.get("decay_time")
+    return loss_seen(known) and not (fades is not None and fades.value < (told.get("duration_s") or 0))
 
 
 def _too_slow(effect: Effect, told: Mapping[str, Any]) -> str:
