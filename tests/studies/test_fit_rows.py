@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from swingdown.answer.given import swings
-from swingdown.engine.trajectory import simulate
+from swingdown.engine.trajectory import TrajectoryError, simulate
 from swingdown.pendulum.model import Model
 from swingdown.studies.experiment import fit_recording
+from swingdown.studies.fit_rows import rows_of
 
 TRUTH = Model("viscous", {"natural_frequency": 7.25, "viscous_ratio": 0.01})
 TIMES = np.arange(600) / 100
@@ -27,3 +28,16 @@ def test_the_reduced_chi2_is_of_the_random_uncertainty_and_unknown_without_one(s
         left = fits["residual"].sel(fitted="viscous").values
         assert found == pytest.approx(np.sum(left**2) / sigma**2 / (TIMES.size - 5), rel=1e-9)
         assert abs(found - 1) < 4 * np.sqrt(2 / TIMES.size)
+
+
+def test_a_model_that_breaks_off_around_its_fit_is_not_converged_and_the_others_are_told():
+    def row(value):
+        if value < 0:
+            raise TrajectoryError("the accuracy could not be kept")
+        return {"norm": value, "value": np.array([value, 1.0]), "converged": True}
+
+    rows = rows_of([0.1, -1.0, None], row)
+    assert [one["converged"] for one in rows] == [True, False, False]
+    assert rows[0]["norm"] == 0.1 and np.isnan(rows[1]["norm"]) and np.isnan(rows[1]["value"]).all()
+    with pytest.raises(TrajectoryError, match="accuracy"):
+        rows_of([-1.0, None], row)

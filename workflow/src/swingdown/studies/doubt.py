@@ -173,7 +173,7 @@ def fit_any(angle: xr.Dataset, fitted: Sequence[Model], start: str = "free") -> 
     try:
         return fit_recording(angle, fitted, start=start)
     except (ArithmeticError, np.linalg.LinAlgError) as problem:
-        raise breaks_off(f"recording {angle.attrs['recording']}") from problem
+        raise breaks_off(f"recording {angle.attrs['recording']}", other_columns(angle)) from problem
 
 
 def followed(
@@ -249,13 +249,13 @@ def ask_driven(fits: xr.Dataset, angle: xr.Dataset) -> None:
         warnings.warn(words, DoubtfulFit, stacklevel=2)
 
 
-def breaks_off(where: str) -> InputError:
-    """What is told of a fit that breaks off."""
+def breaks_off(where: str, more: str = "") -> InputError:
+    """What is told of a fit that breaks off; its mend ends in ``more``."""
     return InputError(
         where,
         "no model of a pendulum follows this motion to its end, whatever its values",
         "the motion of a pendulum that swings by itself",
-        MEND,
+        MEND + more,
     )
 
 

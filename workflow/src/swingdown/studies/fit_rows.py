@@ -8,7 +8,7 @@ import xarray as xr
 
 from .. import dataset
 from ..arrays import Floats, Swing, standard_errors
-from ..engine.trajectory import simulate
+from ..engine.trajectory import TrajectoryError, simulate
 from ..fitting.course import TOLD, Courses
 from ..fitting.result import Fit
 from ..fitting.uncertainty import Uncertainty, uncertainty
@@ -110,9 +110,21 @@ def largest_angles(fit: Fit, swings: Sequence[Swing], courses: Courses | None = 
 
 
 def rows_of(fits: Sequence[One | None], row_of: Callable[[One], dict[str, Any]]) -> list[dict[str, Any]]:
-    """The row of each fit; of a model that cannot be fitted one of NaN, and not converged."""
-    rows = [None if fit is None else row_of(fit) for fit in fits]
-    one = next(row for row in rows if row is not None)
+    """The row of each fit; of a model that cannot be fitted, or followed around its fit, one of NaN, and not converged.
+
+    TrajectoryError where there is no other.
+    """
+    rows: list[dict[str, Any] | None] = []
+    broken: TrajectoryError | None = None
+    for fit in fits:
+        try:
+            rows.append(None if fit is None else row_of(fit))
+        except TrajectoryError as problem:
+            rows.append(None)
+            broken = problem
+    one = next((row for row in rows if row is not None), None)
+    if one is None:
+        raise broken or TrajectoryError("no model can be fitted")
     nothing = {
         key: np.zeros_like(value) if np.asarray(value).dtype.kind in "bi" else np.full_like(value, np.nan)
         for key, value in one.items()
