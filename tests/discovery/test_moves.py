@@ -1,5 +1,7 @@
 """Moves beside the first choice: an effect more does no worse, another spring beside friction; and what no effect is, is none."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -9,6 +11,7 @@ from swingdown.discovery.data.campaign import Swing, campaign
 from swingdown.discovery.data.noise import Noise
 from swingdown.discovery.move.candidates import starts_to_add
 from swingdown.discovery.move.evidence import Candidate, evidence
+from swingdown.discovery.move.laws import with_each_law
 from swingdown.discovery.move.ranking import _from_the_best, in_place_of
 from swingdown.discovery.rounds import first_fit
 from swingdown.discovery.search import discover
@@ -73,9 +76,7 @@ def test_another_spring_is_tried_beside_the_friction_that_has_nothing_to_do_with
     begun = Model("viscous+load_coulomb+stribeck+torsion_spring", values)
     fit = fit_jointly(begun, [swing.pair for swing in one.fit], guess=begun, bounded=True)
     assert fit.rms < 1.05 * noise
-    best = in_place_of(frame(fit, one.fit), Noise(noise), "torsion_spring", ["cubic_stiffness"], beside=True)[
-        0
-    ]
+    best = in_place_of(frame(fit, one.fit), Noise(noise), "torsion_spring", ["cubic_stiffness"])[0]
     assert best.added == "cubic_stiffness"
     assert best.fit.model.values["stribeck_friction"] == pytest.approx(0.39, rel=0.1)
     assert best.fit.rms < fit.rms
@@ -146,3 +147,35 @@ def test_what_a_weight_adds_to_a_spring_is_found_though_it_has_no_size():
     assert begun.rms > 2 * NOISE
     (one,) = in_place_of(frame(begun, (swing,)), Noise(NOISE), "cubic_stiffness", ["finite_amplitude"])
     assert one.fit.rms == pytest.approx(NOISE, rel=0.1)
+
+
+@pytest.mark.parametrize("wrong", ["structural_damping", "quadratic_drag", "load_coulomb"])
+def test_from_a_wrong_law_of_damping_the_right_one_is_reached(wrong):
+    """Its fit begins where it does about the same work: from no damping at all swings slip behind, and a fit ends beside the minimum."""
+    values = {"natural_frequency": 7.0, "viscous_ratio": 0.012, "load_friction": 0.004}
+    true, times, draws = Model("viscous+load_coulomb", values), np.arange(1001) / 50, np.random.default_rng(8)
+    swings = [
+        Swing(f"{a}", times, simulate(true, times, a) + NOISE * draws.standard_normal(times.size))
+        for a in (0.9, -0.7)
+    ]
+    fit = fit_jointly(wrong, [swing.pair for swing in swings], bounded=True)
+    one = replace(campaign("laws", swings), fit=tuple(swings))
+    found = {law.model.label: law for law in with_each_law(fit, one, Noise(NOISE), Budget())}
+    assert fit.rms > 10 * NOISE and found["viscous+load_coulomb"].rms < 1.05 * NOISE
+
+
+def test_without_an_effect_a_frame_is_that_of_the_model_without_it():
+    true, times = (
+        Model(
+            "viscous+quadratic_drag",
+            {"natural_frequency": 7.0, "viscous_ratio": 0.01, "quadratic_coefficient": 1e-4},
+        ),
+        np.arange(501) / 50,
+    )
+    swing = Swing("one", times, simulate(true, times, 0.5))
+    fit = fit_jointly("viscous+quadratic_drag", [swing.pair], guess=true)
+    there = frame(fit, [swing]).without(["quadratic_drag"])
+    values = {name: value for name, value in fit.model.values.items() if name != "quadratic_coefficient"}
+    less = simulate(Model("viscous", values), times, fit.only.release_angle, fit.only.release_velocity)
+    assert "quadratic_coefficient" not in there.names and there.slopes.shape[1] == len(there.names) == 4
+    assert there.residual == pytest.approx(swing.angle - less, abs=0.02 * np.abs(swing.angle - less).max())

@@ -262,7 +262,7 @@ class _Search:
             if self.budget.spent:
                 return
             self.pool.lacking(last, [name])
-            for one in in_place_of(last.frame, self.pool.noise, name, self.allowed, beside=True):
+            for one in in_place_of(last.frame, self.pool.noise, name, self.allowed):
                 if not one.refused:
                     self.pool.look(one.fit)
             for old in self.pool.base - last.key:
@@ -291,4 +291,4 @@ class _Search:
         """The fit with an effect of the base again in the place of another one."""
         first = self.pool.first.fit.model
         values = {p.name: first.values[p.name] for p in first.catalogue[old].parameters}
-        return refit(with_effect(without(fit, name), old, values), self.campaign.fit, ended=True)
+        return refit(with_effect(without(fit.begin, name), old, values), self.campaign.fit, ended=True)

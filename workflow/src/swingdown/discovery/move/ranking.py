@@ -8,15 +8,14 @@ import numpy as np
 
 from ...engine.trajectory import TrajectoryError
 from ...fitting.result import Begin, Fit
-from ...pendulum.effect import NATURAL_FREQUENCY
 from ..budget import Budget
+from ..data.campaign import Swing
 from ..data.noise import Noise
 from ..guard import USUAL
 from ..see.linear import Frame, frame
 from .admissible import hopeless, inadmissible, leaves_noise
 from .candidates import Start, additions, starts_to_add, starts_to_drop, starts_to_exchange, without
 from .evidence import TIE, Candidate, best_first, evidence
-from .mimics import mimics
 from .pairs import plain, starts_of_pairs
 from .refit import nudged, refit, refit_by_the_widest, widened, with_effect
 
@@ -62,8 +61,9 @@ def ranking(
     if found and (budget.spent or leaves_noise(found[0].fit, noise) and not leaves_noise(here.fit, noise)):
         return found
     hopeful = [starts for starts in moves if starts[0].predicted >= _HOPEFUL * most][:_WIDE]
-    more = [starts[2:-1] if near[id(starts)] else starts for starts in hopeful]
-    wide = best_first([_best(starts, here, noise) for starts in more if starts and not budget.spent])
+    far = _is_far(found, noise)
+    more = [starts[2:-1] if near[id(starts)] and not far else starts for starts in hopeful]
+    wide = best_first(_best(starts, here, noise, grown=far) for starts in more if starts and not budget.spent)
     best: dict[str, list[Candidate]] = {}
     for one in (*found, *wide):
         best.setdefault(one.move, []).append(one)
@@ -90,6 +90,13 @@ def _may_pay(here: Frame, starts: Sequence[Start], noise: Noise) -> bool:
     catalogue, count = here.fit.model.catalogue, 1 + len(starts[0].also)
     price = count * (np.log(len(catalogue)) + 0.5 * np.log(noise.effective(here.fit.n)))
     return bool(starts[0].predicted / noise.slow_variance > price + np.log(USUAL.possible))
+
+
+def _may_do(times: int, there: Frame, starts: Sequence[Start], here: Frame, noise: Noise) -> bool:
+    """True where so many times what a linear step promises would make what it leads to from ``there`` as good as the fit ``here``, or so
+    nearly that it is possible."""
+    more = there.squares - times * starts[0].predicted - here.squares
+    return bool(more / noise.slow_variance < -2 * np.log(USUAL.possible))
 
 
 def _first(starts: list[Start]) -> list[Start]:
@@ -124,7 +131,7 @@ def _grown(
         fit = here.fit if one is None else one.fit
         if fit.rss > _FELL_SHORT * left and evidence(fit, noise) + _gain(fit, left, noise) < reach:
             again.append(starts)
-    if not found or found[0].fit.rms > _FAR * noise.deviation:
+    if _is_far(found, noise):
         damping = [starts for starts in moves if here.fit.model.catalogue.damps(starts[0].added or "")]
     else:
         damping = []
@@ -137,6 +144,11 @@ def _grown(
     return best_first(known.values())
 
 
+def _is_far(found: Sequence[Candidate], noise: Noise) -> bool:
+    """True where the best candidate is far from the noise, so that a linear step tells little."""
+    return not found or found[0].fit.rms > _FAR * noise.deviation
+
+
 def _from_the_best(
     found: list[Candidate], moves: Sequence[list[Start]], here: Frame, noise: Noise, budget: Budget
 ) -> list[Candidate]:
@@ -147,7 +159,7 @@ def _from_the_best(
     if first is None or first.refused or len(first.names) != 1:
         return found
     (best,) = first.names
-    begins = [without(first.fit, best)]
+    begins = [without(first.fit.begin, best)]
     if first.dropped:
         begins = [_with_part(begins[0], here.fit, first.dropped, share) for share in _SHARES]
     known = {one.move: one for one in found}
@@ -238,48 +250,32 @@ def beside_the_best(
 
 
 def in_place_of(
-    here: Frame, noise: Noise, old: str, allowed: Collection[str] | None = None, beside: bool = False
+    here: Frame, noise: Noise, old: str, allowed: Collection[str] | None = None
 ) -> list[Candidate]:
-    """The ``Candidate``s that have another effect in the place of one of the model's own, best first.
-
-    The model is fitted without it, and the few effects that then promise most are fitted in its place; ``beside`` the others as they
-    were, too, those that are nearly its like.
-    """
-    begin = without(here.fit, old)
-    if not begin.model.names:
+    """The ``Candidate``s that have another effect in the place of one of the model's own, best first: the few that promise most by a linear
+    step from the fit, if it is enough."""
+    there, model = here.without([old]), here.fit.model
+    if len(model.names) < 2:
         return []
-    try:
-        fit = refit(begin, here.swings)
-        there = frame(fit, here.swings)
-    except TrajectoryError:
-        return []
-    moves = _offered(there, [name for name in additions(fit.model, allowed) if name != old], old)
+    moves = _offered(here, additions(model, allowed), old)
     moves.sort(key=lambda starts: -starts[0].predicted)
-    found = [_best(starts, there, noise) for starts in moves[:_FEW]]
-    if beside:
-        good = {one.added for one in found if one and one.fit.rss < _FELL_SHORT * here.fit.rss}
-        alike = {name: size for name, size in mimics(here, old, allowed).items() if name not in good}
-        found = [one for one in found if one and one.added not in alike]
-        found += [_beside_what_was(begin, old, name, size, here, noise) for name, size in alike.items()]
+    if leaves_noise(here.fit, noise):
+        moves = [one for one in moves if not _sized(here, one) or _may_do(2, there, one, here, noise)]
+    found = []
+    for starts in moves[:_FEW]:
+        one = _best(starts, there, noise)
+        short = one is None or one.fit.rss > _FELL_SHORT * (there.squares - starts[0].predicted)
+        if short and _may_do(1, there, starts, here, noise):
+            found.append(_best([_led(starts[0], here.swings)], there, noise))
+        found.append(one)
     return best_first(found)
 
 
-def _beside_what_was(
-    begin: Begin, old: str, name: str, size: float, here: Frame, noise: Noise
-) -> Candidate | None:
-    """The candidate of an effect without a shape in the place of another, looked for beside the others first held as they were.
-
-    What would do an effect's work needs the others beside it, which without either of them have nothing to do.
-    """
-    (own,) = here.fit.model.catalogue[name].parameters
-    apart = {own.name, *begin.model.each, NATURAL_FREQUENCY.name}
-    begin = with_effect(begin, name, {own.name: size})
-    others = [one for one in begin.model.parameters if one not in apart]
-    try:
-        fit = refit(refit(begin, here.swings, held=others).begin, here.swings)
-    except TrajectoryError:
-        return None
-    return Candidate(name, old, fit, evidence(fit, noise), inadmissible(fit, name, noise))
+def _led(start: Start, swings: Sequence[Swing]) -> Start:
+    """The start, led by growing parts of the swings: with another spring in place of one a small error of the step slips swings behind."""
+    with suppress(TrajectoryError):
+        return replace(start, begin=refit(start.begin, swings).begin)
+    return start
 
 
 def drops(here: Frame, noise: Noise) -> list[Candidate]:
@@ -309,7 +305,7 @@ def _best(
         if fit is None:
             continue
         fits.append(fit)
-        if start.predicted > 0 and fits[-1].rss < _FELL_SHORT * (here.fit.rss - start.predicted):
+        if start.predicted > 0 and fits[-1].rss < _FELL_SHORT * (here.squares - start.predicted):
             break  # it is where the linear step said: no other start leads further
     if not fits:
         return None

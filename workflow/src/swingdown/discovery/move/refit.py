@@ -63,16 +63,18 @@ def widest(swings: Sequence[Swing]) -> int:
 
 
 def refit_by_the_widest(
-    begin: Begin, swings: Sequence[Swing], enough: float = np.inf, seen: bool = False
+    begin: Begin, swings: Sequence[Swing], enough: float = np.inf, seen: bool = False, grown: bool = True
 ) -> Fit | None:
-    """The ``Fit`` to which growing parts of the widest swing lead; None where they leave more than ``enough`` (rad) of it.
+    """The ``Fit`` to which the widest swing leads, in growing parts if it is ``grown``; None where it leaves more than ``enough`` (rad) of it.
 
     What does not follow one swing alone follows no more of it beside others. Errors as of ``refit``.
     """
     k = widest(swings)
-    alone = refit(Begin(begin.model, (begin.swings[k],)), [swings[k]], seen=seen)
+    alone = refit(Begin(begin.model, (begin.swings[k],)), [swings[k]], grown, seen)
     if alone.rms > enough:
         return None
+    if len(swings) == 1:
+        return alone
     shared = {
         name: alone.model.values[name]
         for name in alone.free

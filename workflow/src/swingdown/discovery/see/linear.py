@@ -1,7 +1,7 @@
 """The fit's residual and everything that could move it, to first order: the space in which effects are looked for."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -54,6 +54,11 @@ class Frame:
         """The number of samples of all swings."""
         return self.slices[-1].stop
 
+    @property
+    def squares(self) -> float:
+        """The sum of squares (rad^2) of the residual."""
+        return float(self.residual @ self.residual)
+
     def apart(self, column: Floats) -> Floats:
         """A column over the samples (sample,) as one for each recording, nothing outside it (sample, recording)."""
         return block_diag(*(column[rows, np.newaxis] for rows in self.slices))
@@ -67,6 +72,18 @@ class Frame:
         """The part of the columns (samples, any) that the fit cannot absorb by its own parameters, as long as ``residual``."""
         columns = self.padded(columns)
         return columns - self.basis @ (self.basis.T @ columns)
+
+    def without(self, names: Collection[str]) -> "Frame":
+        """What the frame of a fit is to first order without some of its effects, by name; its values keep what they had."""
+        model = self.fit.model
+        gone = {one.name: one for name in names for one in model.catalogue[name].parameters}
+        kept = [k for k, name in enumerate(self.names) if name not in gone]
+        residual = self.residual.copy()
+        for k, name in enumerate(self.names):
+            if name in gone and gone[name].role == "size":
+                residual += self.slopes[:, k] * self.fit.models[max(self.of[k], 0)].values[name]
+        names, of = [self.names[k] for k in kept], [self.of[k] for k in kept]
+        return replace(self, residual=residual, slopes=self.slopes[:, kept], names=tuple(names), of=tuple(of))
 
     @property
     def room(self) -> tuple[Floats, Floats]:
