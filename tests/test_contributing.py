@@ -66,3 +66,11 @@ def test_with_the_changes_made_the_tests_pass(root, changes, tmp_path):
         )
         assert done.returncode == 0, done.stdout + done.stderr
     assert " passed" in done.stdout
+
+
+def test_each_place_that_is_named_for_a_change_is_there(root):
+    text = (root / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    table = text[text.index("| what | where |") : text.index("House rules:")]
+    places = re.findall(r"`([\w/]+\.py)`", table)
+    assert len(places) > 6
+    assert [place for place in places if not (root / "workflow/src/swingdown" / place).is_file()] == []

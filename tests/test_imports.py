@@ -103,7 +103,8 @@ def test_what_verdicts_are_judged_by_counts_as_a_source(root):
     """A changed threshold runs again every rule that reads it."""
     for script in ("discover_search", "discover_verdict"):
         assert any(
-            path.endswith("guard.yaml") for path in sources.sources(root / f"workflow/scripts/{script}.py")
+            path.endswith("criterion.yaml")
+            for path in sources.sources(root / f"workflow/scripts/{script}.py")
         )
 
 

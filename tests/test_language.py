@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import yaml
 
-from swingdown.discovery.guard import Doubt
+from swingdown.discovery.criterion import Doubt
 from swingdown.discovery.see.losses import _SAID
 from swingdown.discovery.tell.sentence import _described, _misspecified
 from swingdown.errors import InputError

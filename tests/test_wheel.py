@@ -26,7 +26,7 @@ import snakemake_logger_plugin_swingdown
 
 import swingdown
 from swingdown import paths, schema
-from swingdown.discovery.guard import GUARD
+from swingdown.discovery.criterion import GUARD
 from swingdown.engine.trajectory import simulate
 from swingdown.errors import InputError
 from swingdown.fitting.least_squares import fit_trajectory

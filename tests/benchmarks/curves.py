@@ -20,7 +20,7 @@ from swingdown.engine.trajectory import simulate
 from swingdown.errors import InputError
 from swingdown.measurement.slack import CLOCK_TOLERANCE
 from swingdown.pendulum.model import Model
-from swingdown.studies.half_swings import of_samples
+from swingdown.studies.amplitudes import of_samples
 from swingdown.studies.quantities import steady
 
 SPEED_ALONE = {"viscous", "quadratic_drag", "constant_coulomb", "stribeck", "power_law_drag"}

@@ -2,7 +2,7 @@
 
     .venv/bin/python tests/benchmarks/sensitivity.py [--only TEXT ...] [--campaigns TEXT ...] [--pickles FOLDER]
 
-``CRITERION`` has the numbers that decide (discovery/guard.py), ``SETTINGS`` every numerical setting of the search by which a verdict could change: whole
+``CRITERION`` has the numbers that decide (discovery/criterion.py), ``SETTINGS`` every numerical setting of the search by which a verdict could change: whole
 numbers at least 1, shares at most 0.999. The campaigns are the frozen ones (tests/discovery/test_frozen.py), and those of others that
 ``labelled.py --pickles`` wrote to FOLDER. A verdict has changed where another effect is asserted, alone or in ties, or the status is another.
 ``_FEW`` and the like stand in signatures as well: both are changed.
@@ -17,7 +17,7 @@ from dataclasses import fields, replace
 from functools import partial
 from pathlib import Path
 
-from swingdown.discovery import guard
+from swingdown.discovery import criterion as rules
 from swingdown.discovery.data.campaign import Swing, campaign
 from swingdown.discovery.search import discover
 from swingdown.discovery.tell.files import summary
@@ -28,7 +28,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "discovery"))
 from test_frozen import CAMPAIGNS, swings
 
 SETTINGS = {
-    "guard": ("CLEAR",),
+    "criterion": ("CLEAR",),
     "judge.structures": ("_COUNTS",),
     "see.friction": ("_ANGLES", "_EACH"),
     "see.envelope": ("_NODES",),
@@ -43,7 +43,7 @@ SETTINGS = {
     "move.own_frequency": ("_SUBSTANTIAL", "_FEWEST"),
     "move.refit": ("_BETTER",),
 }  # fmt: skip
-CRITERION = [one.name for one in fields(guard.USUAL)]
+CRITERION = [one.name for one in fields(rules.USUAL)]
 SHARES = {"probable", "_ALIKE"}  # below 1: what they leave of 1 is halved and doubled
 RATIOS = {"_FELL_SHORT", "_LOUDER"}  # above 1: what they have beyond 1 is
 
@@ -63,7 +63,7 @@ def changed(module, name, factor):
     """Return the call that puts everything back; a setting is another until then, wherever it was imported and in functions' defaults."""
     value = getattr(module, name)
     other = scaled(name, value, factor)
-    holders = [module, *(one for one in _rooms() if module is guard and name in vars(one))]
+    holders = [module, *(one for one in _rooms() if module is rules and name in vars(one))]
     functions = [
         one
         for holder in holders
@@ -90,7 +90,7 @@ def changed(module, name, factor):
 
 def _rooms():
     """The modules of the search, that import the numbers which decide."""
-    return [one for name, one in list(sys.modules.items()) if name.startswith(f"{guard.__package__}.")]
+    return [one for name, one in list(sys.modules.items()) if name.startswith(f"{rules.__package__}.")]
 
 
 def _forget(module):
@@ -100,7 +100,7 @@ def _forget(module):
             one.cache_clear()
 
 
-def told(one, base, rounds=4, criterion=guard.USUAL):
+def told(one, base, rounds=4, criterion=rules.USUAL):
     """Return what is compared of a campaign's verdict."""
     states = discover(one, base, rounds, criterion=criterion)
     found = verdict([summary(state, one) for state in states], base.catalogue)
@@ -159,8 +159,8 @@ def main(argv=None):
         return {one: told(*parts, **options) for one, parts in made.items()}
 
     for name in asked("criterion", CRITERION):
-        is_now = getattr(guard.USUAL, name)
-        others = [replace(guard.USUAL, **{name: scaled(name, is_now, factor)}) for factor in (0.5, 2)]
+        is_now = getattr(rules.USUAL, name)
+        others = [replace(rules.USUAL, **{name: scaled(name, is_now, factor)}) for factor in (0.5, 2)]
         row(f"criterion.{name}", is_now, [all_told(criterion=other) for other in others])
     for room, names in SETTINGS.items():
         module = importlib.import_module(f"swingdown.discovery.{room}")

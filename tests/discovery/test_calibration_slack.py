@@ -5,9 +5,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from swingdown.discovery.criterion import USUAL
 from swingdown.discovery.data.campaign import Swing, campaign
 from swingdown.discovery.data.noise import Noise
-from swingdown.discovery.guard import USUAL
 from swingdown.discovery.judge import findings
 from swingdown.discovery.search import discover
 from swingdown.discovery.tell import files

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
+from swingdown.discovery.criterion import USUAL
 from swingdown.discovery.data.campaign import Swing, campaign
 from swingdown.discovery.data.noise import Noise
-from swingdown.discovery.guard import USUAL
 from swingdown.discovery.judge.findings import _shown, judged, told_of
 from swingdown.discovery.judge.structures import Pool
 from swingdown.discovery.see.envelope import Seen, _stretch, amplitudes, seen

@@ -6,9 +6,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from swingdown.discovery.criterion import USUAL, Doubt
 from swingdown.discovery.data.campaign import Swing, campaign
 from swingdown.discovery.data.noise import Noise
-from swingdown.discovery.guard import USUAL, Doubt
 from swingdown.discovery.judge import findings
 from swingdown.discovery.judge.confirm import predict
 from swingdown.discovery.judge.findings import Finding, judged, told_of

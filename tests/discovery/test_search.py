@@ -7,9 +7,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from swingdown.discovery.criterion import Criterion
 from swingdown.discovery.data.campaign import Swing, campaign
 from swingdown.discovery.data.noise import Noise, coarse_noise
-from swingdown.discovery.guard import Criterion
 from swingdown.discovery.move import refit as guarded
 from swingdown.discovery.move.admissible import inadmissible
 from swingdown.discovery.move.candidates import without

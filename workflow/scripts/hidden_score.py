@@ -25,7 +25,7 @@ with console.job(snakemake.log[0]) as say:
     write_csv(reliability(both), made.reliability, float_format="%.4g")
     write_text(
         made.guard,
-        "# To be taken into workflow/src/swingdown/discovery/guard.yaml, which verdicts quote.\n"
+        "# To be taken into workflow/src/swingdown/discovery/criterion.yaml, which verdicts quote.\n"
         + yaml.safe_dump(guard(table), sort_keys=False),
     )
     say("; ".join(f"{one.figure}: {one.value:.3g} of {one.n}" for one in figures.itertuples()))

@@ -8,8 +8,8 @@ import numpy as np
 import pandas as pd
 from scipy.stats import binomtest
 
+from swingdown.discovery.criterion import GUARD
 from swingdown.discovery.data.noise import Noise
-from swingdown.discovery.guard import GUARD
 from swingdown.pendulum.catalogue import SHIPPED, Catalogue
 from swingdown.sealed import read_csv
 from swingdown.status import NAMING, REMAINING, Status

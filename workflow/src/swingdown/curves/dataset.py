@@ -14,9 +14,9 @@ from ..fitting.uncertainty import half_widths
 from ..measurement.slack import of_angles
 from ..pendulum.model import Model
 from ..pendulum.slack import Slack
-from ..studies.half_swings import HalfSwings, half_swings_of
-from .discrepancy import with_discrepancy
+from ..studies.amplitudes import HalfSwings, half_swings_of
 from .free import Free, free
+from .misfit import with_discrepancy
 
 SOURCES = ("free", "model", "alone")
 COLUMNS = ["campaign", "quantity", "source", "against", "at", "at_unit", "value", "u", "low", "high", "unit"]

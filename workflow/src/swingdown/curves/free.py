@@ -7,7 +7,7 @@ import numpy as np
 
 from ..arrays import Floats
 from ..errors import InputError
-from ..studies.half_swings import HalfSwings
+from ..studies.amplitudes import HalfSwings
 from .regression import Banded, Design, Posterior, Prior, regression
 from .second_order import Beyond, Course, Early, Table
 from .torques import Basis, Ideal, beyond_durations, durations, friction, losses, stiffness

@@ -22,9 +22,9 @@ from ..measurement.points.points_recording import PASSED, are_points
 from ..pendulum.catalogue import RATE, SHIPPED, Catalogue
 from ..pendulum.model import Model, everyday, model_words
 from ..rounding import value_with_uncertainty
+from ..studies.amplitudes import of_samples
 from ..studies.comparison import WORTH
 from ..studies.described import simplest, usable
-from ..studies.half_swings import of_samples
 from ..studies.norms import as_text
 from ..studies.turning_points import fits_of
 

@@ -27,9 +27,9 @@ from ..pendulum.effect import NATURAL_FREQUENCY, Effect
 from ..pendulum.model import Model
 from ..studies.power_laws import PowerLaw, power_law
 from .budget import Budget
+from .criterion import USUAL
 from .data.campaign import Campaign, Swing
 from .data.noise import Noise
-from .guard import USUAL
 from .move.candidates import additions, starts_to_add
 from .move.refit import FAILURES, opened, refit
 from .rounds import first_fit, noise_of

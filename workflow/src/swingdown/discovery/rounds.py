@@ -12,9 +12,9 @@ from ..own_unit import OF_AN_ANGLE
 from ..pendulum.effect import NATURAL_FREQUENCY
 from ..pendulum.model import Model
 from ..pendulum.slack import Slack
+from .criterion import USUAL, Criterion
 from .data.campaign import Campaign
 from .data.noise import Noise, coarse_noise, measure_noise
-from .guard import USUAL, Criterion
 from .judge.confirm import predict
 from .judge.structures import Pool, Structure
 from .move.evidence import Candidate, evidence

@@ -5,7 +5,7 @@
    leaves nothing.
 3. Look at each of these structures in the same way, and go on from the most probable, until that is one that was gone on from.
 4. Fit the most probable structure without each of its effects, and with others in the place of each: what else would do.
-5. Judge each effect that it adds by the numbers of ``guard`` (``judge``). Swings that are held out are asked here, and nowhere before. Effects
+5. Judge each effect that it adds by the numbers of ``criterion`` (``judge``). Swings that are held out are asked here, and nowhere before. Effects
    that take away too little of what is missing are left out one by one, where any is left that takes away enough. Friction and drag
    may be sure without a name: by the discrepancy, or by the envelope of the swings (``envelope``).
 6. Fit each law of damping beside what else the structure has: the pendulum's values are told from all of them (``conclusion``).
@@ -25,8 +25,8 @@ from ..pendulum.catalogue import READINGS
 from ..pendulum.model import Model, as_model
 from ..studies.scale import scale_of
 from .budget import Budget
+from .criterion import USUAL, Criterion
 from .data.campaign import Campaign
-from .guard import USUAL, Criterion
 from .judge.findings import told_of
 from .judge.structures import Key, Structure
 from .move.candidates import without

@@ -9,8 +9,8 @@ import pandas as pd
 
 from ..fitting.result import Fit
 from ..pendulum.model import Model
+from .criterion import USUAL, Criterion
 from .data.noise import Noise
-from .guard import USUAL, Criterion
 from .judge.findings import Finding
 from .move.evidence import Candidate, evidence
 from .next.proposal import NextSwing

@@ -1,4 +1,4 @@
-"""What is said of an effect, by the numbers of ``guard``.
+"""What is said of an effect, by the numbers of ``criterion``.
 
 The probability is that it is there, or one of its tie, among all structures that were looked at, an unnamed torque beside the base among
 them. Of an effect that takes energy the shares are asked of what only such an effect could do (``friction``): a spring that the model lacks
@@ -13,8 +13,8 @@ import numpy as np
 from ...engine.trajectory import TrajectoryError
 from ...pendulum.effect import NATURAL_FREQUENCY, VARIABLES, Contained
 from ...pendulum.formula import evaluate
+from ..criterion import CLEAR, Doubt
 from ..data.noise import Noise
-from ..guard import CLEAR, Doubt
 from ..move.laws import damping
 from ..see import friction
 from ..see.envelope import Seen

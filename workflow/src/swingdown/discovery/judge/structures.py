@@ -16,9 +16,9 @@ from scipy.special import erf
 from ...engine.trajectory import TrajectoryError
 from ...fitting.result import Fit
 from ...pendulum.effect import NATURAL_FREQUENCY
+from ..criterion import USUAL, Criterion
 from ..data.campaign import Campaign
 from ..data.noise import Noise
-from ..guard import USUAL, Criterion
 from ..move.admissible import at_its_bound
 from ..move.candidates import without
 from ..move.refit import FAILURES, refit

@@ -6,9 +6,9 @@ import numpy as np
 
 from ...fitting.result import Fit
 from ...pendulum.effect import NATURAL_FREQUENCY
+from ..criterion import CLEAR
 from ..data.campaign import Swing
 from ..data.noise import Noise
-from ..guard import CLEAR
 from .refit import widest
 
 _HOPELESS = 1.5  # times what the best leaves

@@ -9,9 +9,9 @@ import numpy as np
 from ...engine.trajectory import TrajectoryError
 from ...fitting.result import Begin, Fit
 from ..budget import Budget
+from ..criterion import USUAL
 from ..data.campaign import Swing
 from ..data.noise import Noise
-from ..guard import USUAL
 from ..see.linear import Frame, frame
 from .admissible import hopeless, inadmissible, leaves_noise
 from .candidates import Start, additions, starts_to_add, starts_to_drop, starts_to_exchange, without

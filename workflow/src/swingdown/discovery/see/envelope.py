@@ -19,8 +19,8 @@ from scipy.special import expit, softmax
 
 from ...arrays import Bools, Floats
 from ...pendulum.half_swings import steps_between
+from ..criterion import USUAL
 from ..data.campaign import Campaign, Swing
-from ..guard import USUAL
 from .linear import orthonormal
 from .losses import half_swings
 

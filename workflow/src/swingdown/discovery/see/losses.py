@@ -11,7 +11,7 @@ from ...errors import InputError
 from ...own_unit import Own
 from ...pendulum.catalogue import ANGLE, RATE
 from ...pendulum.half_swings import lengthening, middles, reached
-from ...studies.half_swings import of_samples
+from ...studies.amplitudes import of_samples
 
 COLUMNS = ["time_s", "amplitude_rad", "energy_loss", "period_ratio", "midpoint_rad"]
 _QUANTITIES = ("energy_loss", "period_ratio", "midpoint_rad")

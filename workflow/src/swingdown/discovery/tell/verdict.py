@@ -14,7 +14,7 @@ from ...pendulum.effect import Effect
 from ...pendulum.formula import evaluate
 from ...status import REMAINING, Status
 from ...studies.quantities import Quantity, loss_seen
-from ..guard import GUARD, USUAL, Doubt
+from ..criterion import GUARD, USUAL, Doubt
 from ..next.proposal import APART
 from ..see.locate import KINDS
 from .sentence import follows, sentence
@@ -72,7 +72,7 @@ class Verdict:
 
     @property
     def guard(self) -> dict[str, Any]:
-        """The numbers that decided; with those of guard.yaml what these were measured to cost."""
+        """The numbers that decided; with those of criterion.yaml what these were measured to cost."""
         usual = asdict(USUAL)
         own = self.last.get("criterion", usual)
         return GUARD if own == usual else {"clear": GUARD["clear"], **own}

@@ -1,4 +1,4 @@
-"""What decides a verdict: its numbers, each once (guard.yaml), the ``Criterion`` that they make, and the doubts that it leaves.
+"""What decides a verdict: its numbers, each once (criterion.yaml), the ``Criterion`` that they make, and the doubts that it leaves.
 
 ``CLEAR`` is of estimates: standard errors that a size must be from nothing to be tried, or a shape from what would make its effect a simpler one.
 """
@@ -12,7 +12,7 @@ import numpy as np
 
 from ..own_yaml import read_own
 
-GUARD: dict[str, Any] = read_own(Path(__file__).with_name("guard.yaml"))
+GUARD: dict[str, Any] = read_own(Path(__file__).with_name("criterion.yaml"))
 CLEAR: float = GUARD["clear"]
 
 
@@ -74,4 +74,4 @@ class Criterion:
 
 
 USUAL = Criterion()
-"""The ``Criterion`` of guard.yaml, with which the trials were made."""
+"""The ``Criterion`` of criterion.yaml, with which the trials were made."""

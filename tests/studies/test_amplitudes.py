@@ -9,7 +9,7 @@ from swingdown.errors import InputError
 from swingdown.pendulum.catalogue import RATE
 from swingdown.pendulum.half_swings import reached
 from swingdown.pendulum.model import Model
-from swingdown.studies.half_swings import half_swings_of, of_samples
+from swingdown.studies.amplitudes import half_swings_of, of_samples
 
 FREQUENCY, RATIO, SIZE = 5.0, 0.01, 0.4  # rad/s, damping ratio, rad
 OWN = FREQUENCY * np.sqrt(1 - RATIO**2)
