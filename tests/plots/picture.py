@@ -98,7 +98,7 @@ def _artist(artist):
         paths = [_rounded(path.vertices) for path in artist.get_paths()]
         return *common, *ink, paths, _rounded(artist.get_offsets()), _values(artist)
     if isinstance(artist, Text):
-        beside = getattr(artist, "xyann", ())
+        beside = *getattr(artist, "xyann", ()), *getattr(artist, "xy", ())
         form = (
             artist.get_ha(),
             artist.get_va(),

@@ -105,6 +105,13 @@ def test_a_cell_that_was_not_made_is_counted_with_its_reason_and_crossed_out(tmp
     assert "cannot be made" in words(plots.detection(maps))
 
 
+@pytest.mark.parametrize(("share", "reached"), [(0.96, 1), (0.94, 0), (1.04, 1), (1.06, 0)])
+def test_a_size_is_reached_by_what_leaves_it_to_a_twentieth(tmp_path, share, reached):
+    left = verdicts(lambda settings: {"named": 1}, left=lambda settings: share * settings["detection.size"])
+    rows = table(combined(sweep(**DETECT, realizations=20), tmp_path, left))
+    assert (rows.loc[rows["size"] > 0, "reached"] == reached).all() and (rows["size"] > 0).any()
+
+
 def test_the_map_of_verdicts_has_a_panel_for_every_value_and_marks_what_was_not_reached(tmp_path):
     left = verdicts(
         lambda settings: {"nothing": 0.5, "named": 0.5},
