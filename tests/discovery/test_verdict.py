@@ -387,10 +387,8 @@ def test_what_does_not_die_away_has_no_effect_of_a_pendulum_unless_its_drive_was
     assert verdict([first, last | {"driven": True}])["status"] == "named"
     fades = {"decay_time": {"value": 30.0, "standard_uncertainty": 1.0, "unit": "s"}}
     kept_up = {"quantities": quantities | fades, "of_the_whole": True}
-    for duration, dies in (
-        (20.0, told),
-        (60.0, False),
-    ):  # what fades within the record would be seen to narrow
-        there = last | {"conclusion": kept_up, "duration_s": duration}
+    # what fades within the record would be seen to narrow, unless few swings are left
+    cases = [(20.0, False, told), (60.0, False, False), (60.0, None, told), (60.0, True, True)]
+    for duration, narrows, dies in cases:
+        there = last | {"conclusion": kept_up | {"narrows": narrows}, "duration_s": duration}
         assert verdict([first, there])["dies_away"] == dies
-        assert verdict([first, there | {"conclusion": kept_up | {"narrows": True}}])["dies_away"]

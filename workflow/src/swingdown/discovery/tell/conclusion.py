@@ -46,7 +46,7 @@ def conclusion(state: Round, campaign: Campaign) -> dict[str, Any]:
         of a rate rad/s); ``covariance``, that of the ``parameters`` of its motion, in their units, with the residuals' colour and what the
         measurement leaves open; ``of_the_whole``, whether all these are of the whole recordings; ``whole_leaves``, what the model leaves
         of these (noise standard deviations), None where it cannot be fitted to them; ``narrows``, whether a recording's turning
-        points say by themselves that it dies away.
+        points say by themselves that it dies away, None where there are too few.
 
     Raises
     ------
@@ -72,7 +72,7 @@ def conclusion(state: Round, campaign: Campaign) -> dict[str, Any]:
         "residual": last.fit.rms,
         "quantities": _as_plain(told, "standard_uncertainty"),
         "of_the_whole": follows,
-        "narrows": any(narrowing(one.angle) < KEPT for one in campaign.whole),
+        "narrows": _narrows(campaign),
         "whole_leaves": None if whole is None else whole.fit.rms / state.noise.deviation,
         "parameters": list(last.motion.parameters),
         "covariance": [[finite_or_none(cell) for cell in row] for row in last.covariance],
@@ -155,6 +155,11 @@ class _Told:
             p.name for one in effects if one.takes_input for p in one.parameters if p.name in self.fit.free
         ]
         return [*names, *drive]
+
+
+def _narrows(campaign: Campaign) -> bool | None:
+    widths = [width for one in campaign.whole if np.isfinite(width := narrowing(one.angle))]
+    return min(widths) < KEPT if widths else None
 
 
 def _of_the_whole(fit: Fit, state: Round, campaign: Campaign) -> _Told | None:

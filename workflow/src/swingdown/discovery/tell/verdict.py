@@ -219,7 +219,10 @@ def _dies_away(told: Mapping[str, Any]) -> bool:
         if one["value"] is not None
     }  # fmt: skip
     fades = known.get("decay_time")
-    return loss_seen(known) and not (fades is not None and fades.value < (told.get("duration_s") or 0))
+    stays = concluded.get("narrows") is False  # not where too few swings are left to tell
+    return loss_seen(known) and not (
+        stays and fades is not None and fades.value < (told.get("duration_s") or 0)
+    )
 
 
 def _too_slow(effect: Effect, told: Mapping[str, Any]) -> str:
