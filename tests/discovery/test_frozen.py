@@ -128,7 +128,7 @@ def changed(one, frozen):
     """What is not as frozen, in words; a number may lie a tenth of its last digit beyond where it is rounded to another."""
     for key, was in frozen.items():
         now = one[key]
-        if abs(now - was) > 0.6 * step(key, was) if isinstance(was, float) else now != was:
+        if abs(now - was) > 0.6 * step(key, max(now, was)) if isinstance(was, float) else now != was:
             yield f"{key} was {was}, is now {now}"
 
 

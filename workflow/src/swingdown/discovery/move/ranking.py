@@ -7,17 +7,17 @@ from dataclasses import replace
 import numpy as np
 
 from ...engine.trajectory import TrajectoryError
-from ...fitting.result import Begin, Fit
+from ...fitting.result import Fit
 from ..budget import Budget
 from ..criterion import USUAL
 from ..data.campaign import Swing
 from ..data.noise import Noise
 from ..see.linear import Frame, frame
 from .admissible import hopeless, inadmissible, leaves_noise
-from .candidates import Start, additions, starts_to_add, starts_to_drop, starts_to_exchange, without
+from .candidates import Start, additions, starts_to_add, starts_to_drop, starts_to_exchange
 from .evidence import TIE, Candidate, best_first, evidence
 from .pairs import plain, starts_of_pairs
-from .refit import nudged, refit, refit_by_the_widest, widened, with_effect
+from .refit import nudged, refit, refit_by_the_widest
 
 ENDLESS = Budget()
 _PROMISING = 0.05  # of the best predicted gain: candidates below are not refitted, a linear step already tells them off
@@ -30,7 +30,6 @@ _FEW = 4  # effects tried in another one's place
 _FAR = 2.0  # times the noise
 _FELL_SHORT = 1.02  # of what a linear step leaves: a fit that leaves more may be in a false minimum
 _NUDGED = 2  # candidates looked for in their neighbourhood, too
-_SHARES = (0.05, 0.3)  # of an effect's size: with how much of it a fit begins that was exchanged without it
 _SHAPES = 3  # of an effect, to start from where the first ones did not do
 
 
@@ -56,7 +55,6 @@ def ranking(
     promising = [_first(starts) for starts in moves if near[id(starts)]]
     found = _moved(here, noise, promising, allowed, budget)
     found = _grown(found, moves, here, noise, budget)
-    found = _from_the_best(found, moves, here, noise, budget)
     # a fit that is near the noise and lacks something may be in a false minimum, and so may what is nearer
     if found and (budget.spent or leaves_noise(found[0].fit, noise) and not leaves_noise(here.fit, noise)):
         return found
@@ -147,43 +145,6 @@ def _grown(
 def _is_far(found: Sequence[Candidate], noise: Noise) -> bool:
     """True where the best candidate is far from the noise, so that a linear step tells little."""
     return not found or found[0].fit.rms > _FAR * noise.deviation
-
-
-def _from_the_best(
-    found: list[Candidate], moves: Sequence[list[Start]], here: Frame, noise: Noise, budget: Budget
-) -> list[Candidate]:
-    """The candidates, best first: those that do worse than the best, begun anew with all else as in it: what it adds in place of an effect
-    of the model, added, and where it damps what damps. In the model as it is its own damping may do the work of what is missing, and a
-    fit from there ends in a false minimum; what has one effect more cannot do worse but in one."""
-    first, catalogue = found[0] if found else None, here.fit.model.catalogue
-    if first is None or first.refused or len(first.names) != 1:
-        return found
-    (best,) = first.names
-    begins = [without(first.fit.begin, best)]
-    if first.dropped:
-        begins = [_with_part(begins[0], here.fit, first.dropped, share) for share in _SHARES]
-    known = {one.move: one for one in found}
-    for start in (starts[0] for starts in moves):
-        one, name = known.get(start.move), start.added
-        rival = name == best or catalogue.damps(best) and catalogue.damps(name or "")
-        if not name or not rival or budget.spent or one and one.fit.rss <= first.fit.rss:
-            continue
-        source = first.fit.begin if name == best else start.begin
-        own = [{p.name: one.values[p.name] for p in catalogue[name].parameters} for one in source.swings]
-        again = _best(
-            [replace(start, begin=widened(begin, name, own), predicted=0.0) for begin in begins], here, noise
-        )
-        if again and (one is None or again.fit.rss < one.fit.rss):
-            known[start.move] = again
-    return best_first(known.values())
-
-
-def _with_part(begin: Begin, fit: Fit, name: str, share: float) -> Begin:
-    """The beginning with an effect beside that has the values of a fit, and that share of its size there."""
-    values, own = fit.model.values, fit.model.catalogue[name].parameters
-    return with_effect(
-        begin, name, {p.name: values[p.name] * (share if p.role == "size" else 1.0) for p in own}
-    )
 
 
 def _gain(fit: Fit, left: float, noise: Noise) -> float:
