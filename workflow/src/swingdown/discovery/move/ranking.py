@@ -12,11 +12,11 @@ from ..budget import Budget
 from ..criterion import USUAL
 from ..data.campaign import Swing
 from ..data.noise import Noise
-from ..see.linear import Frame, frame
+from ..see.linear import Frame
 from .admissible import hopeless, inadmissible, leaves_noise
 from .candidates import Start, additions, starts_to_add, starts_to_drop, starts_to_exchange
 from .evidence import TIE, Candidate, best_first, evidence
-from .pairs import plain, starts_of_pairs
+from .pairs import starts_of_pairs
 from .refit import nudged, refit, refit_by_the_widest
 
 ENDLESS = Budget()
@@ -24,7 +24,6 @@ _PROMISING = 0.05  # of the best predicted gain: candidates below are not refitt
 _HOPEFUL = (
     0.01  # the same, for those tried from more starts where none of the promising ones leaves the noise alone
 )
-_FIRST = 2  # effects without a shape that others are tried beside
 _WIDE = 6  # effects tried from more starts where none leaves the noise alone
 _FEW = 4  # effects tried in another one's place
 _FAR = 2.0  # times the noise
@@ -177,37 +176,6 @@ def in_pairs(
     """The ``Candidate``s that add two effects without a shape at once, best first: the few that promise most, if it is enough."""
     offered = [starts for starts in starts_of_pairs(here, allowed, few=_FEW) if _may_pay(here, starts, noise)]
     return best_first([_best(starts, here, noise) for starts in offered if not budget.spent])
-
-
-def beside_the_best(
-    here: Frame,
-    noise: Noise,
-    ranked: Sequence[Candidate],
-    allowed: Collection[str] | None = None,
-    budget: Budget = ENDLESS,
-) -> list[Candidate]:
-    """The ``Candidate``s that add one of the best of the ``ranked`` effects without a shape and another one without: the two
-    that promise most once the first is fitted.
-
-    Far from the noise a linear step from the model as it is tells little of two.
-    """
-    catalogue = here.fit.model.catalogue
-    alone = [one for one in ranked if one.added and not one.refused and not one.dropped and not one.also
-             and plain(catalogue[one.added])]  # fmt: skip
-    found: list[Candidate | None] = []
-    for one in alone[:_FIRST]:
-        if one.added is None or budget.spent:
-            break
-        try:
-            there = frame(one.fit, here.swings)
-        except TrajectoryError:
-            continue
-        names = [name for name in additions(one.fit.model, allowed) if plain(catalogue[name])]
-        moves = sorted(_offered(there, names), key=lambda starts: -starts[0].predicted)[:2]
-        for starts in moves:
-            begun = [replace(start, added=one.added, also=(start.added,)) for start in starts if start.added]
-            found.append(_best(begun, there, noise))
-    return best_first(found)
 
 
 def in_place_of(
