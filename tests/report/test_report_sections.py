@@ -10,7 +10,16 @@ import yaml
 
 from swingdown.report import provenance
 from swingdown.report.page import Listing, Table, Text
-from swingdown.report.sections import apparatus, experiment, missing, origin, series, settings, simulation
+from swingdown.report.sections import (
+    apparatus,
+    experiment,
+    missing,
+    origin,
+    own,
+    series,
+    settings,
+    simulation,
+)
 
 
 def material(own=False, emulated=(), **tables):
@@ -75,6 +84,24 @@ def test_a_paired_comparison_tells_the_difference_with_its_error():
             "κ<sub>v,q</sub> is closer",
         ]
     ]
+
+
+@pytest.mark.parametrize(("recordings", "compared"), [(1, False), (2, True)])
+def test_models_are_compared_in_pairs_where_a_campaign_has_two_recordings(recordings, compared):
+    pairs = pd.DataFrame({
+        "campaign": ["bench"], "model_a": ["viscous"], "model_b": ["viscous+quadratic_drag"], "mean_difference": [0.01234],
+        "standard_error": [0.00056], "p_holm": [0.0321], "delta_bic_effective": [-3.6], "verdict": ["κv,q is closer"],
+    })  # fmt: skip
+    given = material(own=True, table3=pd.DataFrame(TABLE3 | {"n": [recordings] * 2}), comparison=pairs)
+    found = own.damping(given)
+    assert (
+        any(
+            "−\u00a0κ<sub>v,q</sub>" in str(row[0])
+            for item in found.items
+            for row in getattr(item, "rows", ())
+        )
+        == compared
+    )
 
 
 def parameters(*rows):

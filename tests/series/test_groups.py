@@ -126,3 +126,13 @@ def test_groups_without_an_equal_length_say_that_they_differ_in_it():
     assert list(found.comparison.table["recordings"]) == [3, 3]
     alike = sides({"left": [0.4, 0.4], "right": [0.4, 0.4]})
     assert "length" not in alike.sentence
+
+
+def test_what_one_group_alone_has_is_not_compared():
+    names = ["r0", "r1", "r2", "r3"]
+    table = pd.DataFrame({"recording": names, "label": names, "period_s": [1.0, 1.001, 1.002, 1.0], "period_s_u": 1e-3,
+                          "quality": [50.0, 51.0, np.nan, np.nan], "quality_u": 1.0})  # fmt: skip
+    groups = {
+        name: {"group": side} for name, side in zip(names, ("left", "left", "right", "right"), strict=True)
+    }
+    assert [one.quantity for one in series_of(table, {}, groups, by="group")] == ["period"]
