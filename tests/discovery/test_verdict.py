@@ -387,8 +387,14 @@ def test_what_does_not_die_away_has_no_effect_of_a_pendulum_unless_its_drive_was
     assert verdict([first, last | {"driven": True}])["status"] == "named"
     fades = {"decay_time": {"value": 30.0, "standard_uncertainty": 1.0, "unit": "s"}}
     kept_up = {"quantities": quantities | fades, "of_the_whole": True}
-    # what fades within the record would be seen to narrow, unless few swings are left
-    cases = [(20.0, False, told), (60.0, False, False), (60.0, None, told), (60.0, True, True)]
-    for duration, narrows, dies in cases:
-        there = last | {"conclusion": kept_up | {"narrows": narrows}, "duration_s": duration}
+    # what fades within the record would be seen to narrow, unless few swings are left; what fades by less than has no name is not seen
+    cases = [
+        (20.0, False, 0.01, told),
+        (60.0, False, 0.01, False),
+        (60.0, None, 0.01, told),
+        (60.0, True, 0.01, True),
+    ]
+    for duration, narrows, unnamed, dies in (*cases, (3.0, False, 0.01, told), (3.0, False, 0.05, False)):
+        concluded = kept_up | {"narrows": narrows, "amplitude_rad": 0.3}
+        there = last | {"conclusion": concluded, "duration_s": duration, "unnamed_rad": unnamed}
         assert verdict([first, there])["dies_away"] == dies

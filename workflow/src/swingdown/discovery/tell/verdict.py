@@ -208,8 +208,8 @@ class Verdict:
 
 
 def _dies_away(told: Mapping[str, Any]) -> bool:
-    """Whether swings die in their turning points, or the model that a search ended with loses anything, and no more than would show in
-    them; what does not may be driven, and its effects may be the motor's."""
+    """Whether swings die in their turning points, or the model that a search ended with loses anything, no more than would show in them
+    and no less than what has no name does to them; what does not may be driven, and its effects may be the motor's."""
     concluded = told.get("conclusion")
     if concluded is None or concluded.get("narrows"):
         return True
@@ -218,11 +218,16 @@ def _dies_away(told: Mapping[str, Any]) -> bool:
         for name, one in concluded["quantities"].items()
         if one["value"] is not None
     }  # fmt: skip
-    fades = known.get("decay_time")
     stays = concluded.get("narrows") is False  # not where too few swings are left to tell
     return loss_seen(known) and not (
-        stays and fades is not None and fades.value < (told.get("duration_s") or 0)
+        stays and "decay_time" in known and _unlike(told, known["decay_time"].value)
     )
+
+
+def _unlike(told: Mapping[str, Any], fades: float) -> bool:
+    """Whether swings that stay wide are none that fade in this time (s): within the record, or by less than what has no name."""
+    times = (told.get("duration_s") or 0) / fades
+    return times > 1 or times * told["conclusion"].get("amplitude_rad", np.inf) < told.get("unnamed_rad", 0)
 
 
 def _too_slow(effect: Effect, told: Mapping[str, Any]) -> str:
