@@ -39,9 +39,9 @@ def ranking(
 
     ``allowed`` limits the effects that may be added (all of the catalogue by default). A candidate is refused where a
     parameter ends at a bound at which the effect is not there; one that no start gives a trajectory for is left out.
-    Where none leaves the noise alone, all are tried again from more starts: a fit in a false minimum, its own or that of
-    the model it begins from, must not hide the one that does. Those that promise most come first, and those that promise too little to
-    be probable are not refitted; where the ``budget`` is spent, the rest is left out.
+    Where none leaves the noise alone, the few that promise most are tried from more starts, and in growing parts of the swings where all are
+    far from it: a fit in a false minimum, its own or that of the model it begins from, must not hide the one that does. Those that promise
+    too little to be probable are not refitted; where the ``budget`` is spent, the rest is left out.
     """
     moves = _offered(here, additions(here.fit.model, allowed), best=_SHAPES)
     moves = [starts for starts in moves if not _sized(here, starts) or _may_pay(here, starts, noise)]
