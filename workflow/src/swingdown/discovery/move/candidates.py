@@ -20,7 +20,6 @@ from ..see.locate import line
 from .refit import widened, with_effect
 
 WIDEST = 30.0  # typical sizes: as far as a linear step goes
-_BEYOND = 1e100  # sensitivities that say nothing: of motions that grow without end
 _FIRST = 0.3  # of the typical size: where an effect that cannot be nothing starts, for a lag of nothing has no slope
 
 
@@ -85,8 +84,6 @@ def starts_to_add(frame: Frame, name: str, best: int = 2, dropped: str | None = 
         try:
             columns = np.hstack([columns_of(frame, effect, values | one, free, rough=True) for one in sides])
         except TrajectoryError:
-            continue
-        if not np.max(np.abs(columns)) < _BEYOND:
             continue
         low, high = np.full(columns.shape[1], -np.inf), np.full(columns.shape[1], np.inf)
         if not phases:

@@ -59,7 +59,10 @@ def _begin(here: Frame, to: Model) -> Begin:
     found = []
     for shape in product(*(one.starting_values(model.values[NATURAL_FREQUENCY.name]) for one in shapes)):
         values = {one.name: float(value) for one, value in zip(shapes, shape, strict=True)}
-        columns = np.hstack([np.zeros((here.samples, 0)), *(_columns(there, one, values) for one in new)])
+        try:
+            columns = np.hstack([np.zeros((here.samples, 0)), *(_columns(there, one, values) for one in new)])
+        except TrajectoryError:
+            continue
         low, high = np.array([(one.lower, one.upper) for one in sizes]).reshape(-1, 2).T
         step = best_step(there, columns, low, high)
         found.append(
@@ -68,6 +71,8 @@ def _begin(here: Frame, to: Model) -> Begin:
                 values | dict(zip((one.name for one in sizes), map(float, step.coefficients), strict=True)),
             )
         )
+    if not found:
+        raise TrajectoryError(f"{to.label}: no step leads there")
     step, values = max(found, key=lambda one: one[0].squares)
     swings = shifted(there, step.own).swings
     return Begin(

@@ -9,13 +9,14 @@ from scipy.linalg import block_diag, qr
 from scipy.optimize import lsq_linear
 
 from ...arrays import Floats
-from ...engine.trajectory import sensitivities, simulate
+from ...engine.trajectory import TrajectoryError, sensitivities, simulate
 from ...fitting.problem import RELEASE
 from ...fitting.result import Fit
 from ...pendulum.catalogue import ANGLE, RATE
 from ...pendulum.effect import Effect
 from ..data.campaign import Swing
 
+_BEYOND = 1e100  # sensitivities that say nothing: of motions that grow without end
 _ADDS_NOTHING = 1e-6  # of its size: a column that is so little outside the others' span is left out
 
 
@@ -174,7 +175,8 @@ def columns_of(
     """What each of the ``free`` parameters of one further effect does to the angles, at the given values of all of them.
 
     An array (samples, len(free)), or where a parameter is each recording's own, (samples, swings * len(free)) with zeros
-    outside the recording; ``rough`` as in ``sensitivities``. TrajectoryError where the engine cannot follow it.
+    outside the recording; ``rough`` as in ``sensitivities``. TrajectoryError where the engine cannot follow it, or what it follows grows
+    without end.
     """
     blocks = []
     for swing, one in zip(frame.swings, frame.fit.swings, strict=True):
@@ -183,6 +185,8 @@ def columns_of(
             wider = wider.with_effects((*wider.names, effect.name), {**wider.values, **values})
         release = one.release_angle, one.release_velocity
         blocks.append(sensitivities(wider, swing.times, *release, free=free, rough=rough)[1].T)
+        if not np.max(np.abs(blocks[-1])) < _BEYOND:
+            raise TrajectoryError(f"{effect.name}: what it does grows without end")
     if not effect.each:
         return np.concatenate(blocks)
     wide = np.zeros((frame.samples, len(blocks) * len(free)))
