@@ -37,9 +37,10 @@ SETTINGS = {
     "see.restricted": ("_ANY",),
     "search": ("_LOUDER", "_AGAIN"),
     "move.admissible": ("_VAGUE", "_HOPELESS"),
-    "move.ranking": ("_PROMISING", "_HOPEFUL", "_WIDE", "_FEW", "_FAR", "_FELL_SHORT", "_NUDGED", "_SHAPES"),
+    "move.ranking": ("_PROMISING", "_HOPEFUL", "_FIRST", "_WIDE", "_FEW", "_FAR", "_FELL_SHORT", "_NUDGED", "_SHARES", "_SHAPES"),
     "move.evidence": ("TIE",),
     "move.candidates": ("WIDEST", "_FIRST"),
+    "move.mimics": ("_ALIKE",),
     "move.own_frequency": ("_SUBSTANTIAL", "_FEWEST"),
     "move.refit": ("_BETTER",),
 }  # fmt: skip

@@ -9,8 +9,11 @@ from scipy.integrate import solve_ivp
 from swingdown.discovery.budget import Budget
 from swingdown.discovery.data.campaign import Swing, campaign
 from swingdown.discovery.data.noise import Noise
+from swingdown.discovery.move.candidates import starts_to_add
+from swingdown.discovery.move.evidence import Candidate, evidence
 from swingdown.discovery.move.laws import with_each_law
-from swingdown.discovery.move.ranking import in_place_of
+from swingdown.discovery.move.ranking import _from_the_best, in_place_of
+from swingdown.discovery.rounds import first_fit
 from swingdown.discovery.search import discover
 from swingdown.discovery.see.linear import frame
 from swingdown.discovery.tell.files import summary
@@ -38,15 +41,24 @@ def drag():
     return campaign("drag", swings)
 
 
-def test_a_rival_begins_beside_what_the_best_has(drag):
-    """What damps is not judged from the base's own damping, which may do the work of what is missing."""
-    law = Model(
-        "viscous+power_law_drag", {name: VALUES[name] for name in Model("viscous+power_law_drag").parameters}
-    )
-    best = fit_jointly(law, [swing.pair for swing in drag.fit], guess=law, bounded=True)
-    (rival,) = in_place_of(frame(best, drag.fit), Noise(NOISE), "power_law_drag", ["quadratic_drag"])
-    assert rival.fit.rms == pytest.approx(NOISE, rel=0.05)
-    assert rival.fit.model.values["quadratic_coefficient"] == pytest.approx(0.004, rel=0.1)
+@pytest.mark.parametrize(("added", "dropped"), [("quadratic_drag", "viscous"), ("power_law_drag", None)])
+def test_a_rival_in_a_false_minimum_begins_anew_beside_what_the_best_has(drag, added, dropped):
+    """What has one effect more does no worse than the exchange that beat it, and what damps is not judged from the base's own damping."""
+    begun = first_fit(drag, Model("viscous"))
+    law = Model(added if dropped else f"viscous+{added}")
+    model = Model(law.label, {name: VALUES[name] for name in law.parameters})
+    best = fit_jointly(model, [swing.pair for swing in drag.fit], guess=model, bounded=True)
+    here, noise = frame(begun, drag.fit), Noise(NOISE)
+    assert best.rss < begun.rss
+    found = [
+        Candidate(added, dropped, best, evidence(best, noise)),
+        Candidate("quadratic_drag", None, begun, evidence(begun, noise)),
+    ]
+    moves = [starts_to_add(here, name) for name in ("quadratic_drag", "cubic_stiffness")]
+    again = _from_the_best(found, moves, here, noise, Budget())
+    (drags,) = [one for one in again if one.added == "quadratic_drag" and one.dropped is None]
+    assert drags.fit.rms == pytest.approx(NOISE, rel=0.05)
+    assert all(one.added != "cubic_stiffness" for one in again)
 
 
 def test_another_spring_is_tried_beside_the_friction_that_has_nothing_to_do_without_one():
@@ -64,7 +76,9 @@ def test_another_spring_is_tried_beside_the_friction_that_has_nothing_to_do_with
     begun = Model("viscous+load_coulomb+stribeck+torsion_spring", values)
     fit = fit_jointly(begun, [swing.pair for swing in one.fit], guess=begun, bounded=True)
     assert fit.rms < 1.05 * noise
-    best = in_place_of(frame(fit, one.fit), Noise(noise), "torsion_spring", ["cubic_stiffness"])[0]
+    best = in_place_of(frame(fit, one.fit), Noise(noise), "torsion_spring", ["cubic_stiffness"], beside=True)[
+        0
+    ]
     assert best.added == "cubic_stiffness"
     assert best.fit.model.values["stribeck_friction"] == pytest.approx(0.39, rel=0.1)
     assert best.fit.rms < fit.rms

@@ -185,7 +185,7 @@ def test_of_coarse_samples_neighbours_tell_the_noise(every, told):
 
 def test_a_value_knows_of_the_laws_that_the_data_leave(two):
     state = discover(two, "viscous", rounds=3, allowed=("quadratic_drag", "quadratic_stiffness"))[-1]
-    law = refit(without(state.fit.begin, "quadratic_drag"), two.fit)
+    law = refit(without(state.fit, "quadratic_drag"), two.fit)
     apart = abs(law.model.values["viscous_ratio"] - state.fit.model.values["viscous_ratio"])
 
     def error(counting):

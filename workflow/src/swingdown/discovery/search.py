@@ -33,7 +33,7 @@ from .move.candidates import without
 from .move.evidence import Candidate
 from .move.laws import damping, with_each_law
 from .move.own_frequency import with_own_frequencies
-from .move.ranking import drops, in_pairs, in_place_of, ranking
+from .move.ranking import beside_the_best, drops, in_pairs, in_place_of, ranking
 from .move.refit import FAILURES, opened, refit, with_effect
 from .next.proposal import NextSwing, next_swing
 from .rounds import first_fit, pool_of, round_of, unseen
@@ -217,7 +217,9 @@ class _Search:
     def _look_at_pairs(self, here: Structure) -> None:
         """Two effects at a time."""
         pairs = in_pairs(here.frame, self.pool.noise, self.allowed, budget=self.budget)
-        self._keep(here, [*self.ranked.get(here.key, []), *pairs])
+        ranked = self.ranked.get(here.key, [])
+        pairs += beside_the_best(here.frame, self.pool.noise, ranked, self.allowed, budget=self.budget)
+        self._keep(here, [*ranked, *pairs])
 
     def _keep(self, here: Structure, ranked: list[Candidate]) -> None:
         self.ranked[here.key] = sorted(ranked, key=lambda one: (bool(one.refused), one.bic))
@@ -260,7 +262,7 @@ class _Search:
             if self.budget.spent:
                 return
             self.pool.lacking(last, [name])
-            for one in in_place_of(last.frame, self.pool.noise, name, self.allowed):
+            for one in in_place_of(last.frame, self.pool.noise, name, self.allowed, beside=True):
                 if not one.refused:
                     self.pool.look(one.fit)
             for old in self.pool.base - last.key:
@@ -289,4 +291,4 @@ class _Search:
         """The fit with an effect of the base again in the place of another one."""
         first = self.pool.first.fit.model
         values = {p.name: first.values[p.name] for p in first.catalogue[old].parameters}
-        return refit(with_effect(without(fit.begin, name), old, values), self.campaign.fit, ended=True)
+        return refit(with_effect(without(fit, name), old, values), self.campaign.fit, ended=True)

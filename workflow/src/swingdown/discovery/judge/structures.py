@@ -155,7 +155,7 @@ class Pool:
             with suppress(TrajectoryError):
                 for name in names:
                     if name in begin.model.names:
-                        begin = refit(without(begin.begin, name), self.campaign.fit, ended=True)
+                        begin = refit(without(begin, name), self.campaign.fit, ended=True)
                 self.look(begin)
         near = [other for other in self.known.values() if key <= other.key <= key | self.base]
         if not near:  # what is left of the effects has one at a bound

@@ -3,7 +3,7 @@
 What an effect can stand in for, and with which values, stands with its entry in the catalogue.
 """
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 
@@ -12,7 +12,7 @@ import numpy as np
 from ...arrays import Floats
 from ...engine.trajectory import TrajectoryError
 from ...fitting.nested import in_place_of
-from ...fitting.result import Begin, SwingStart
+from ...fitting.result import Begin, Fit, SwingStart
 from ...pendulum.effect import NATURAL_FREQUENCY, Parameter
 from ...pendulum.model import Model
 from ..see.linear import Frame, best_step, columns_of
@@ -62,18 +62,12 @@ def starts_to_add(frame: Frame, name: str, best: int = 2, dropped: str | None = 
     """The ``Start``s of adding one effect, best first: for the most promising shapes, what a linear step gives.
 
     The step keeps every value within the catalogue's bounds: an effect that would have to act backwards promises nothing.
-    ``dropped`` names the effect whose place it takes. Empty where the effect, even with nothing of it, makes motions that the engine cannot
-    follow.
+    ``dropped`` names the effect whose place it takes in a frame of the model without that one. Empty where the effect, even
+    with nothing of it, makes motions that the engine cannot follow.
     """
     effect, begin = frame.fit.model.catalogue[name], frame.fit.begin
-    if dropped:
-        frame = frame.without([dropped])
-
-    def begun(begin: Begin, each: Iterable[Mapping[str, float]]) -> Begin:
-        return widened(without(begin, dropped) if dropped else begin, name, each)
-
     if not effect.parameters:
-        return [Start(name, dropped, begun(begin, [{}] * len(begin.swings)), 0.0)]
+        return [Start(name, dropped, with_effect(begin, name, {}), 0.0)]
     sizes, shapes, phases = effect.with_role("size"), effect.with_role("shape"), effect.with_role("phase")
     sides = [{phases[0].name: phase} for phase in (0.0, np.pi / 2)] if phases else [{}]
     free = [p.name for p in sizes]
@@ -95,11 +89,11 @@ def starts_to_add(frame: Frame, name: str, best: int = 2, dropped: str | None = 
         return []
     found.sort(key=lambda entry: -entry[0].squares)
     starts = [
-        Start(name, dropped, begun(shifted(frame, step.own), each), step.squares)
+        Start(name, dropped, widened(shifted(frame, step.own), name, each), step.squares)
         for step, each in found[:best]
     ]
     step, each = found[0]
-    return [*starts, Start(name, dropped, begun(begin, each), step.squares)]
+    return [*starts, Start(name, dropped, widened(begin, name, each), step.squares)]
 
 
 def _starting_values(frame: Frame, parameter: Parameter) -> list[float]:
@@ -146,12 +140,12 @@ def shifted(frame: Frame, own: Floats) -> Begin:
     return Begin(frame.fit.model, tuple(map(SwingStart, values, angles, velocities)))
 
 
-def without(begin: Begin, name: str) -> Begin:
-    """The same beginning of the model without one of its effects."""
-    own = {parameter.name for parameter in begin.model.catalogue[name].parameters}
-    model = begin.model.with_effects([other for other in begin.model.names if other != name])
+def without(fit: Fit, name: str) -> Begin:
+    """Where the fit of a model without one of its effects begins: all else as in the fit."""
+    own = {parameter.name for parameter in fit.model.catalogue[name].parameters}
+    model = fit.model.with_effects([other for other in fit.model.names if other != name])
     swings = tuple(
-        one._replace(values={k: v for k, v in one.values.items() if k not in own}) for one in begin.swings
+        one._replace(values={k: v for k, v in one.values.items() if k not in own}) for one in fit.begin.swings
     )
     return Begin(model, swings)
 
@@ -160,14 +154,14 @@ def starts_to_drop(frame: Frame) -> list[Start]:
     """The ``Start``s of the model without one of its effects, for each of several."""
     model = frame.fit.model
     own = [one.name for one in model.effects if not one.takes_input]  # a drive that was measured is there
-    return [Start(None, old, without(frame.fit.begin, old), 0.0) for old in own if len(own) > 1]
+    return [Start(None, old, without(frame.fit, old), 0.0) for old in own if len(own) > 1]
 
 
 def starts_to_exchange(frame: Frame, allowed: Collection[str] | None = None) -> list[Start]:
     """The ``Start``s of exchanging one effect for another that can do its work, as the catalogue says."""
     found = []
     for old in frame.fit.model.effects:
-        begin = without(frame.fit.begin, old.name)
+        begin = without(frame.fit, old.name)
         for new in additions(frame.fit.model, allowed):
             for values in in_place_of(frame.fit.model, old, new):
                 found.append(Start(new, old.name, with_effect(begin, new, values), 0.0))

@@ -7,28 +7,31 @@ from dataclasses import replace
 import numpy as np
 
 from ...engine.trajectory import TrajectoryError
-from ...fitting.result import Fit
+from ...fitting.result import Begin, Fit
+from ...pendulum.effect import NATURAL_FREQUENCY
 from ..budget import Budget
 from ..criterion import USUAL
-from ..data.campaign import Swing
 from ..data.noise import Noise
-from ..see.linear import Frame
+from ..see.linear import Frame, frame
 from .admissible import hopeless, inadmissible, leaves_noise
-from .candidates import Start, additions, starts_to_add, starts_to_drop, starts_to_exchange
+from .candidates import Start, additions, starts_to_add, starts_to_drop, starts_to_exchange, without
 from .evidence import TIE, Candidate, best_first, evidence
-from .pairs import starts_of_pairs
-from .refit import nudged, refit, refit_by_the_widest
+from .mimics import mimics
+from .pairs import plain, starts_of_pairs
+from .refit import nudged, refit, refit_by_the_widest, widened, with_effect
 
 ENDLESS = Budget()
 _PROMISING = 0.05  # of the best predicted gain: candidates below are not refitted, a linear step already tells them off
 _HOPEFUL = (
     0.01  # the same, for those tried from more starts where none of the promising ones leaves the noise alone
 )
+_FIRST = 2  # effects without a shape that others are tried beside
 _WIDE = 6  # effects tried from more starts where none leaves the noise alone
 _FEW = 4  # effects tried in another one's place
 _FAR = 2.0  # times the noise
 _FELL_SHORT = 1.02  # of what a linear step leaves: a fit that leaves more may be in a false minimum
 _NUDGED = 2  # candidates looked for in their neighbourhood, too
+_SHARES = (0.05, 0.3)  # of an effect's size: with how much of it a fit begins that was exchanged without it
 _SHAPES = 3  # of an effect, to start from where the first ones did not do
 
 
@@ -39,9 +42,9 @@ def ranking(
 
     ``allowed`` limits the effects that may be added (all of the catalogue by default). A candidate is refused where a
     parameter ends at a bound at which the effect is not there; one that no start gives a trajectory for is left out.
-    Where none leaves the noise alone, the few that promise most are tried from more starts, and in growing parts of the swings where all are
-    far from it: a fit in a false minimum, its own or that of the model it begins from, must not hide the one that does. Those that promise
-    too little to be probable are not refitted; where the ``budget`` is spent, the rest is left out.
+    Where none leaves the noise alone, all are tried again from more starts: a fit in a false minimum, its own or that of
+    the model it begins from, must not hide the one that does. Those that promise most come first, and those that promise too little to
+    be probable are not refitted; where the ``budget`` is spent, the rest is left out.
     """
     moves = _offered(here, additions(here.fit.model, allowed), best=_SHAPES)
     moves = [starts for starts in moves if not _sized(here, starts) or _may_pay(here, starts, noise)]
@@ -54,13 +57,17 @@ def ranking(
     promising = [_first(starts) for starts in moves if near[id(starts)]]
     found = _moved(here, noise, promising, allowed, budget)
     found = _grown(found, moves, here, noise, budget)
+    found = _from_the_best(found, moves, here, noise, budget)
     # a fit that is near the noise and lacks something may be in a false minimum, and so may what is nearer
     if found and (budget.spent or leaves_noise(found[0].fit, noise) and not leaves_noise(here.fit, noise)):
         return found
     hopeful = [starts for starts in moves if starts[0].predicted >= _HOPEFUL * most][:_WIDE]
-    far = _is_far(found, noise)
-    more = [starts[2:-1] if near[id(starts)] and not far else starts for starts in hopeful]
-    wide = best_first(_best(starts, here, noise, grown=far) for starts in more if starts and not budget.spent)
+    # a linear step from where a search got stuck promises little: growing parts of the swings lead on
+    stuck = not here.fit.converged
+    more = [starts[2:-1] if near[id(starts)] and not stuck else starts for starts in hopeful]
+    wide = best_first(
+        [_best(starts, here, noise, grown=stuck) for starts in more if starts and not budget.spent]
+    )
     best: dict[str, list[Candidate]] = {}
     for one in (*found, *wide):
         best.setdefault(one.move, []).append(one)
@@ -87,13 +94,6 @@ def _may_pay(here: Frame, starts: Sequence[Start], noise: Noise) -> bool:
     catalogue, count = here.fit.model.catalogue, 1 + len(starts[0].also)
     price = count * (np.log(len(catalogue)) + 0.5 * np.log(noise.effective(here.fit.n)))
     return bool(starts[0].predicted / noise.slow_variance > price + np.log(USUAL.possible))
-
-
-def _may_do(times: int, there: Frame, starts: Sequence[Start], here: Frame, noise: Noise) -> bool:
-    """True where so many times what a linear step promises would make what it leads to from ``there`` as good as the fit ``here``, or so
-    nearly that it is possible."""
-    more = there.squares - times * starts[0].predicted - here.squares
-    return bool(more / noise.slow_variance < -2 * np.log(USUAL.possible))
 
 
 def _first(starts: list[Start]) -> list[Start]:
@@ -128,7 +128,7 @@ def _grown(
         fit = here.fit if one is None else one.fit
         if fit.rss > _FELL_SHORT * left and evidence(fit, noise) + _gain(fit, left, noise) < reach:
             again.append(starts)
-    if _is_far(found, noise):
+    if not found or found[0].fit.rms > _FAR * noise.deviation:
         damping = [starts for starts in moves if here.fit.model.catalogue.damps(starts[0].added or "")]
     else:
         damping = []
@@ -141,9 +141,41 @@ def _grown(
     return best_first(known.values())
 
 
-def _is_far(found: Sequence[Candidate], noise: Noise) -> bool:
-    """True where the best candidate is far from the noise, so that a linear step tells little."""
-    return not found or found[0].fit.rms > _FAR * noise.deviation
+def _from_the_best(
+    found: list[Candidate], moves: Sequence[list[Start]], here: Frame, noise: Noise, budget: Budget
+) -> list[Candidate]:
+    """The candidates, best first: those that do worse than the best, begun anew with all else as in it: what it adds in place of an effect
+    of the model, added, and where it damps what damps. In the model as it is its own damping may do the work of what is missing, and a
+    fit from there ends in a false minimum; what has one effect more cannot do worse but in one."""
+    first, catalogue = found[0] if found else None, here.fit.model.catalogue
+    if first is None or first.refused or len(first.names) != 1:
+        return found
+    (best,) = first.names
+    begins = [without(first.fit, best)]
+    if first.dropped:
+        begins = [_with_part(begins[0], here.fit, first.dropped, share) for share in _SHARES]
+    known = {one.move: one for one in found}
+    for start in (starts[0] for starts in moves):
+        one, name = known.get(start.move), start.added
+        rival = name == best or catalogue.damps(best) and catalogue.damps(name or "")
+        if not name or not rival or budget.spent or one and one.fit.rss <= first.fit.rss:
+            continue
+        source = first.fit.begin if name == best else start.begin
+        own = [{p.name: one.values[p.name] for p in catalogue[name].parameters} for one in source.swings]
+        again = _best(
+            [replace(start, begin=widened(begin, name, own), predicted=0.0) for begin in begins], here, noise
+        )
+        if again and (one is None or again.fit.rss < one.fit.rss):
+            known[start.move] = again
+    return best_first(known.values())
+
+
+def _with_part(begin: Begin, fit: Fit, name: str, share: float) -> Begin:
+    """The beginning with an effect beside that has the values of a fit, and that share of its size there."""
+    values, own = fit.model.values, fit.model.catalogue[name].parameters
+    return with_effect(
+        begin, name, {p.name: values[p.name] * (share if p.role == "size" else 1.0) for p in own}
+    )
 
 
 def _gain(fit: Fit, left: float, noise: Noise) -> float:
@@ -178,33 +210,80 @@ def in_pairs(
     return best_first([_best(starts, here, noise) for starts in offered if not budget.spent])
 
 
-def in_place_of(
-    here: Frame, noise: Noise, old: str, allowed: Collection[str] | None = None
+def beside_the_best(
+    here: Frame,
+    noise: Noise,
+    ranked: Sequence[Candidate],
+    allowed: Collection[str] | None = None,
+    budget: Budget = ENDLESS,
 ) -> list[Candidate]:
-    """The ``Candidate``s that have another effect in the place of one of the model's own, best first: the few that promise most by a linear
-    step from the fit, if it is enough."""
-    there, model = here.without([old]), here.fit.model
-    if len(model.names) < 2:
-        return []
-    moves = _offered(here, additions(model, allowed), old)
-    moves.sort(key=lambda starts: -starts[0].predicted)
-    if leaves_noise(here.fit, noise):
-        moves = [one for one in moves if not _sized(here, one) or _may_do(2, there, one, here, noise)]
-    found = []
-    for starts in moves[:_FEW]:
-        one = _best(starts, there, noise)
-        short = one is None or one.fit.rss > _FELL_SHORT * (there.squares - starts[0].predicted)
-        if short and _may_do(1, there, starts, here, noise):
-            found.append(_best([_led(starts[0], here.swings)], there, noise))
-        found.append(one)
+    """The ``Candidate``s that add one of the best of the ``ranked`` effects without a shape and another one without: the two
+    that promise most once the first is fitted.
+
+    Far from the noise a linear step from the model as it is tells little of two.
+    """
+    catalogue = here.fit.model.catalogue
+    alone = [one for one in ranked if one.added and not one.refused and not one.dropped and not one.also
+             and plain(catalogue[one.added])]  # fmt: skip
+    found: list[Candidate | None] = []
+    for one in alone[:_FIRST]:
+        if one.added is None or budget.spent:
+            break
+        try:
+            there = frame(one.fit, here.swings)
+        except TrajectoryError:
+            continue
+        names = [name for name in additions(one.fit.model, allowed) if plain(catalogue[name])]
+        moves = sorted(_offered(there, names), key=lambda starts: -starts[0].predicted)[:2]
+        for starts in moves:
+            begun = [replace(start, added=one.added, also=(start.added,)) for start in starts if start.added]
+            found.append(_best(begun, there, noise))
     return best_first(found)
 
 
-def _led(start: Start, swings: Sequence[Swing]) -> Start:
-    """The start, led by growing parts of the swings: with another spring in place of one a small error of the step slips swings behind."""
-    with suppress(TrajectoryError):
-        return replace(start, begin=refit(start.begin, swings).begin)
-    return start
+def in_place_of(
+    here: Frame, noise: Noise, old: str, allowed: Collection[str] | None = None, beside: bool = False
+) -> list[Candidate]:
+    """The ``Candidate``s that have another effect in the place of one of the model's own, best first.
+
+    The model is fitted without it, and the few effects that then promise most are fitted in its place; ``beside`` the others as they
+    were, too, those that are nearly its like.
+    """
+    begin = without(here.fit, old)
+    if not begin.model.names:
+        return []
+    try:
+        fit = refit(begin, here.swings)
+        there = frame(fit, here.swings)
+    except TrajectoryError:
+        return []
+    moves = _offered(there, [name for name in additions(fit.model, allowed) if name != old], old)
+    moves.sort(key=lambda starts: -starts[0].predicted)
+    found = [_best(starts, there, noise) for starts in moves[:_FEW]]
+    if beside:
+        good = {one.added for one in found if one and one.fit.rss < _FELL_SHORT * here.fit.rss}
+        alike = {name: size for name, size in mimics(here, old, allowed).items() if name not in good}
+        found = [one for one in found if one and one.added not in alike]
+        found += [_beside_what_was(begin, old, name, size, here, noise) for name, size in alike.items()]
+    return best_first(found)
+
+
+def _beside_what_was(
+    begin: Begin, old: str, name: str, size: float, here: Frame, noise: Noise
+) -> Candidate | None:
+    """The candidate of an effect without a shape in the place of another, looked for beside the others first held as they were.
+
+    What would do an effect's work needs the others beside it, which without either of them have nothing to do.
+    """
+    (own,) = here.fit.model.catalogue[name].parameters
+    apart = {own.name, *begin.model.each, NATURAL_FREQUENCY.name}
+    begin = with_effect(begin, name, {own.name: size})
+    others = [one for one in begin.model.parameters if one not in apart]
+    try:
+        fit = refit(refit(begin, here.swings, held=others).begin, here.swings)
+    except TrajectoryError:
+        return None
+    return Candidate(name, old, fit, evidence(fit, noise), inadmissible(fit, name, noise))
 
 
 def drops(here: Frame, noise: Noise) -> list[Candidate]:
@@ -234,7 +313,7 @@ def _best(
         if fit is None:
             continue
         fits.append(fit)
-        if start.predicted > 0 and fits[-1].rss < _FELL_SHORT * (here.squares - start.predicted):
+        if start.predicted > 0 and fits[-1].rss < _FELL_SHORT * (here.fit.rss - start.predicted):
             break  # it is where the linear step said: no other start leads further
     if not fits:
         return None
