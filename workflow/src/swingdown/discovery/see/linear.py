@@ -55,11 +55,6 @@ class Frame:
         """The number of samples of all swings."""
         return self.slices[-1].stop
 
-    @property
-    def squares(self) -> float:
-        """The sum of squares (rad^2) of the residual."""
-        return float(self.residual @ self.residual)
-
     def apart(self, column: Floats) -> Floats:
         """A column over the samples (sample,) as one for each recording, nothing outside it (sample, recording)."""
         return block_diag(*(column[rows, np.newaxis] for rows in self.slices))

@@ -220,14 +220,15 @@ def _dies_away(told: Mapping[str, Any]) -> bool:
     }  # fmt: skip
     stays = concluded.get("narrows") is False  # not where too few swings are left to tell
     return loss_seen(known) and not (
-        stays and "decay_time" in known and _unlike(told, known["decay_time"].value)
+        stays and "decay_time" in known and _is_fed(told, known["decay_time"].value)
     )
 
 
-def _unlike(told: Mapping[str, Any], fades: float) -> bool:
-    """Whether swings that stay wide are none that fade in this time (s): within the record, or by less than what has no name."""
-    times = (told.get("duration_s") or 0) / fades
-    return times > 1 or times * told["conclusion"].get("amplitude_rad", np.inf) < told.get("unnamed_rad", 0)
+def _is_fed(told: Mapping[str, Any], fades: float) -> bool:
+    """Whether something feeds swings that stay wide: by themselves they would fade in this time (s) within the record, or by less than what
+    has no name does to them."""
+    duration, amplitude = told.get("duration_s") or 0.0, told["conclusion"].get("amplitude_rad", np.inf)
+    return duration > fades or duration * amplitude < told.get("unnamed_rad", 0.0) * fades
 
 
 def _too_slow(effect: Effect, told: Mapping[str, Any]) -> str:
