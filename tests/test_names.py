@@ -36,3 +36,18 @@ def test_what_a_room_exports_says_what_it_takes():
         and not {"Parameters", "Attributes"} & {*(inspect.getdoc(one) or "").splitlines()}
     }
     assert silent == set()
+
+
+def test_no_room_hides_a_module_behind_a_name():
+    """Else ``import room.module`` gives a function, and the site describes it twice."""
+    modules = [
+        one.name.rpartition(".")
+        for one in pkgutil.walk_packages(swingdown.__path__, "swingdown.")
+        if not one.ispkg
+    ]
+    hidden = [
+        f"{room}.{name}"
+        for room, _, name in modules
+        if not inspect.ismodule(vars(import_module(room)).get(name, inspect))
+    ]
+    assert hidden == []

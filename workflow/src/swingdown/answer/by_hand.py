@@ -11,7 +11,7 @@ from ..measurement.stated import Stated, quantity
 from ..paths import write_csv
 from ..rounding import plus_minus
 from ..series import Series, series_of
-from ..series.timed import Timed, timed
+from ..series.timed_periods import Timed, timed
 from ..studies.gravity import STATED, Gravity, gravity
 from .lengths import written as write_g
 from .options import CELLS
@@ -35,7 +35,7 @@ def by_hand(
 ) -> ByHand | None:
     """What a table of periods that were timed by hand gives; its files are written into the folder. None for any other file.
 
-    ``stated`` are cells of the sample sheet: the length gives g where the table has no lengths. Its pictures are in the language ``spoken``. InputError as of ``series.timed.timed``.
+    ``stated`` are cells of the sample sheet: the length gives g where the table has no lengths. Its pictures are in the language ``spoken``. InputError as of ``series.timed``.
     """
     column, u = asked(by)
     column = column.lower().replace(" ", "_")

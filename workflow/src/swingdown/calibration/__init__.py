@@ -18,9 +18,9 @@ from ..measurement.sheet import COLUMNS
 from ..measurement.straight_line import FEWEST
 from ..measurement.uncertainty import Mean, Propagation, mean_of_samples
 from . import layout, modes
-from .budget import budget
 from .chain import measurement
 from .modes import MODES
+from .uncertainty_budget import budget
 
 __all__ = ["MODES", "budget", "calibrate", "tower"]
 

@@ -7,7 +7,7 @@ Plain functions on arrays and tables: ``power_law``, ``gravity_of_lengths`` and 
 from ..studies.power_laws import LengthsAndPeriods, PowerLaw, gravity_of_lengths, power_law
 from .groups import Comparison, compare
 from .table import Series, as_laws, as_table, of_sheet, series_of
-from .timed import Timed, timed
+from .timed_periods import Timed, timed
 from .values import from_names, from_rows, from_table, merged
 
 __all__ = [
