@@ -1,6 +1,6 @@
 """The rounds of a search: at each structure on its way, where the model fails, what was tried there, and what was chosen."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -41,7 +41,7 @@ def noise_of(campaign: Campaign, fit: Fit) -> Noise:
     """The noise on a campaign's swings, from the residuals of a fit to them: of what it may be that which makes these residuals most
     probable, whether or not something is missing."""
     likely = _likely(campaign, fit, fit)
-    return next(iter(likely)) if len(likely) == 1 else _most_probable(campaign, fit, fit, likely).noise
+    return likely[0] if len(likely) == 1 else _most_probable(campaign, fit, fit, likely).noise
 
 
 def pool_of(campaign: Campaign, fit: Fit, base: Fit | None = None, criterion: Criterion = USUAL) -> Pool:
@@ -51,25 +51,23 @@ def pool_of(campaign: Campaign, fit: Fit, base: Fit | None = None, criterion: Cr
     return _most_probable(campaign, fit, base, _likely(campaign, fit, base), criterion)
 
 
-def _likely(campaign: Campaign, fit: Fit, base: Fit) -> dict[Noise, float]:
-    """The noises that are not improbable, with the logarithm of how likely they make what has no share in a swing."""
+def _likely(campaign: Campaign, fit: Fit, base: Fit) -> list[Noise]:
+    """The noises that are not improbable, the most likely first."""
     swings, frequency = campaign.fit, base.model.values[NATURAL_FREQUENCY.name] / (2 * np.pi)
     residuals = [
         (swing.times, swing.angle - one.angle) for swing, one in zip(swings, fit.swings, strict=True)
     ]
     measured = measure_noise(residuals, frequency, campaign.static, len(fit.free))
-    likely = {coarse_noise(noise, swings, frequency): how for noise, how in measured.items()}
-    most = max(likely.values())
-    return {noise: how for noise, how in likely.items() if how > most + np.log(USUAL.possible)}
+    least = measured[0].likely + np.log(USUAL.possible)
+    return [coarse_noise(noise, swings, frequency) for noise in measured if noise.likely > least]
 
 
 def _most_probable(
-    campaign: Campaign, fit: Fit, base: Fit, likely: Mapping[Noise, float], criterion: Criterion = USUAL
+    campaign: Campaign, fit: Fit, base: Fit, likely: Sequence[Noise], criterion: Criterion = USUAL
 ) -> Pool:
-    first, *others = likely
-    pool = Pool(campaign, first, base, fit, criterion=criterion)
+    pool = Pool(campaign, likely[0], base, fit, criterion=criterion)
     pool.look(fit)
-    return max((pool, *map(pool.under, others)), key=lambda one: likely[one.noise] + one.absolute)
+    return max((pool, *map(pool.under, likely[1:])), key=lambda one: one.absolute)
 
 
 def unseen(campaign: Campaign, fit: Fit) -> Round:

@@ -247,7 +247,8 @@ class _Search:
         heard = pool_of(self.campaign, best.fit, self.pool.first.fit, self.pool.criterion)
         # no noise is more than what some structure leaves
         least = min(one.fit.rms for one in self.pool.known.values())
-        if heard.noise.deviation > max(_LOUDER * least, self.pool.noise.deviation):
+        louder = heard.noise.deviation > max(_LOUDER * least, self.pool.noise.deviation)
+        if louder or heard.absolute < self.pool.absolute:
             heard = heard.under(self.pool.noise)
         heard.take(self.pool)
         self.pool = heard

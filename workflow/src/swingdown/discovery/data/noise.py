@@ -1,7 +1,7 @@
 """The noise on a campaign's swings, from what a fit leaves where a pendulum has nothing to say, and from records at rest."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from math import comb
 
 import numpy as np
@@ -18,12 +18,14 @@ _FEWEST, _MOST = 15.0, 32.0
 
 @dataclass(frozen=True)
 class Noise:
-    """White or first-order autocorrelated noise: standard deviation (rad), correlation of neighbouring samples, and ``known``, the standard
-    uncertainty of the logarithm of its variance at the pendulum's frequencies."""
+    """White or first-order autocorrelated noise: standard deviation (rad), correlation of neighbouring samples, ``known``, the standard
+    uncertainty of the logarithm of its variance at the pendulum's frequencies, and ``likely``, the logarithm of how likely it makes what a fit
+    leaves where a pendulum has nothing to say."""
 
     deviation: float
     correlation: float = 0.0
     known: float = 0.0
+    likely: float = field(default=0.0, compare=False)
 
     @property
     def inflation(self) -> float:
@@ -45,8 +47,8 @@ def measure_noise(
     frequency: float,
     static: Sequence[tuple[Floats, Floats]] = (),
     free: int = 0,
-) -> dict[Noise, float]:
-    """What the ``Noise`` of a campaign may be, the most likely first, by the logarithm of how likely: white, and with a memory.
+) -> list[Noise]:
+    """What the ``Noise`` of a campaign may be, the most likely first: white, and with each memory that is told apart.
 
     Each is measured from the residuals of a fit and from static records. The spectrum of first-order autocorrelated noise is fitted
     (Whittle's likelihood) to the periodograms above eight times the pendulum's frequency, where a model's error leaves nothing; a static
@@ -81,12 +83,16 @@ def measure_noise(
     # what a kinked error leaves in the band looks like strong slow noise; the noise is not more than the whole residual
     squares = np.concatenate([np.square(residual) for _, residual in residuals])
     whole = float(np.sqrt(squares.sum() / max(squares.size - free, 1)))
-    found = {}
-    for likely, one in either(cosine, power, HANN, whole, squares.size):
+    found = [
         # that the noise rises within the band does not say that it is next to none below
-        noise = Noise(one.deviation, max(one.correlation, 0.0), one.known)
-        found[at_most(noise, whole, float(np.sqrt(2 / squares.size)))] = likely
-    return dict(sorted(found.items(), key=lambda entry: -entry[1]))
+        at_most(
+            Noise(one.deviation, max(one.correlation, 0.0), one.known, likely),
+            whole,
+            float(np.sqrt(2 / squares.size)),
+        )
+        for likely, one in either(cosine, power, HANN, whole, squares.size)
+    ]
+    return sorted(found, key=lambda noise: -noise.likely)
 
 
 def _pieces(times: Floats, residual: Floats, period: float) -> list[tuple[Floats, Floats]]:
@@ -128,7 +134,8 @@ def coarse_noise(noise: Noise, swings: Sequence[Swing], frequency: float) -> Noi
     known = float(np.sqrt(2 * np.square(apart / apart[_ORDER]).sum() / differences.size))
     if at_most(noise, size, known) is noise:
         return noise
-    return Noise(size, noise.correlation, float(np.hypot(known, noise.known)) if noise.correlation else known)
+    known = float(np.hypot(known, noise.known)) if noise.correlation else known
+    return replace(noise, deviation=size, known=known)
 
 
 def _over_equal_steps(swing: Swing, step: float) -> Floats:

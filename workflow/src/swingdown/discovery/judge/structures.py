@@ -110,8 +110,8 @@ class Pool:
 
     @property
     def absolute(self) -> float:
-        """The evidence of the best structure in units that no noise sets."""
-        return self.best.evidence + self._unnamed.level(self.best.frame)
+        """The evidence of the best structure and of its noise, in units that no noise sets."""
+        return self.best.evidence + self._unnamed.level(self.best.frame) + self.noise.likely
 
     def look(self, fit: Fit) -> None:
         """Keep a fit where it is the best of its effects; one that cannot be seen to first order is passed over.

@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import minimize_scalar
 from scipy.special import log_ndtr
 
@@ -15,7 +15,8 @@ _LINE = 10.0  # times its neighbours' median: a line of the mains or of a bearin
 _NEIGHBOURS = 32
 SPECTRUM = 64  # samples; a spectrum of fewer is too coarse for a band
 # any level of slow noise as likely before
-_CORRELATIONS = np.tanh(np.linspace(np.arctanh(-0.9), np.arctanh(0.95), 300))
+_CORRELATIONS = np.tanh(np.linspace(np.arctanh(-0.9), np.arctanh(0.995), 400))
+_APART = 0.5  # of the logarithm of the slow spectrum: what is known no better is told apart
 HANN = 0.514  # of neighbouring powers under Hann's window: they are correlated by 0.444, those after next by 0.028
 _WINDOWS = 20_000  # that are looked at
 BAND = (15.0, 50.0)  # Hz; far above a pendulum's harmonics, below what mains and bearings bring
@@ -87,8 +88,8 @@ def either(
 ) -> list[tuple[float, Noise]]:
     """What the noise may be by powers above the pendulum's: white, and with a memory; each with the logarithm of how likely it is.
 
-    The powers tell little of a memory, and less of the spectrum below them: of it means over ``_CORRELATIONS`` are told, of the logarithms of
-    variance and slow spectrum. The noise is as likely to be all of a series, whose standard deviation is ``whole``, as any part of it.
+    The powers tell little of a memory, and less of the spectrum below them: of groups of ``_CORRELATIONS``, all as probable, the means are
+    told, of the logarithms of variance and slow spectrum. The noise is as likely to be all of a series, whose standard deviation is ``whole``, as any part of it.
 
     Parameters
     ----------
@@ -106,15 +107,24 @@ def either(
     part = log_ndtr(above / known) - np.log(max(float(above.max()), own))
     likely = np.logaddexp(every, part) - costs * independent
     found = []
-    for these in (slice(0, 1), slice(1, None)):
+    for these in (np.arange(1), *_told_apart(slow, likely)):
         together = float(np.logaddexp.reduce(likely[these]))
         weight = np.exp(likely[these] - together)
         size, level = float(weight @ variance[these]), float(weight @ slow[these])
         error = float(np.sqrt(weight @ (slow[these] - level) ** 2 + own**2))
         # the correlation of a spectrum that has these two levels
         memory = Noise(float(np.exp(0.5 * size)), float(np.tanh(0.5 * (level - size))), error)
-        found.append((together - float(np.log(weight.size)), memory))
+        found.append((together - float(np.log(1 if these[0] == 0 else _CORRELATIONS.size)), memory))
     return found
+
+
+def _told_apart(slow: Floats, likely: Floats) -> list[NDArray[np.intp]]:
+    """The memories (of which the first is none) in groups of equal probability, as many as leave the slow spectrum known to ``_APART`` in each."""
+    weight = np.exp(likely[1:] - np.logaddexp.reduce(likely[1:]))
+    spread = float(np.sqrt(weight @ (slow[1:] - weight @ slow[1:]) ** 2))
+    count = max(int(np.ceil(spread / _APART)), 1)
+    group = np.minimum((np.cumsum(weight) - 0.5 * weight) * count, count - 1).astype(int)
+    return [1 + np.flatnonzero(group == k) for k in np.unique(group)]
 
 
 def _level(correlation: float, cosine: Floats, power: Floats) -> tuple[float, float]:
