@@ -21,13 +21,13 @@ SIZE, FREQUENCY, DRAWS = 2e-3, 1.0, 300  # rad, Hz
 
 
 def measured(samples, rate, correlation=0.0):
-    """Each draw's noise over the true one, as variances at low frequencies, and how well it says to be known."""
+    """Each draw's noise over the true one, as variances at low frequencies, and how well it says to be known: of white noise the most likely's."""
     found = []
     for seed in range(DRAWS):
         draws = np.random.default_rng([5, seed]).standard_normal(samples + 300)
         series = SIZE * lfilter([np.sqrt(1 - correlation**2)], [1, -correlation], draws)[300:]
         swing = Swing("a", np.arange(samples) / rate, series)
-        every = measure_noise([swing.pair], FREQUENCY)
+        every = measure_noise([swing.pair], FREQUENCY)[: None if correlation else 1]
         likely = np.exp([one.likely - every[0].likely for one in every])
         every = [coarse_noise(one, [swing], FREQUENCY) for one in every]
         level, known = np.array([(np.log(one.slow_variance), one.known) for one in every]).T

@@ -28,7 +28,7 @@ from .budget import Budget
 from .criterion import USUAL, Criterion
 from .data.campaign import Campaign
 from .judge.findings import told_of
-from .judge.structures import Key, Structure
+from .judge.structures import Key, Pool, Structure
 from .move.candidates import without
 from .move.evidence import Candidate
 from .move.laws import damping, with_each_law
@@ -39,7 +39,7 @@ from .next.proposal import NextSwing, next_swing
 from .rounds import first_fit, pool_of, round_of, unseen
 from .state import Round
 
-_LOUDER = 1.03  # times what a structure leaves: less of a difference is the noise's own uncertainty
+_LOUDER = 1.03  # times what a structure leaves: a noise that is more may be none
 _AGAIN = 2  # times that what else would do may turn out to be more probable
 
 
@@ -240,18 +240,25 @@ class _Search:
             self.pool.look(fit)
 
     def _heard(self, best: Structure) -> None:
-        """What the best structure leaves in the band of the noise is the noise: what a worse one leaves there may be its misfit. Unnamed
-        torques are those that act on its swings."""
-        if best.fit is self.pool.near:
+        """What the best structure leaves in the band of the noise is the noise: what a worse one leaves there may be its misfit. Of the noises
+        heard so far, and of what is left least, that counts under which a structure is most probable. Unnamed torques are those that act on the
+        best one's swings."""
+        pools = [self.pool]
+        quietest = min(self.pool.known.values(), key=lambda one: one.fit.rms)
+        if self.pool.noise.deviation > _LOUDER * quietest.fit.rms and quietest.key != best.key:
+            pools.append(self._pool_of(quietest))
+        if best.fit is not self.pool.near:
+            pools.append(self._pool_of(best))
+        elif len(pools) == 1:
             return
-        heard = pool_of(self.campaign, best.fit, self.pool.first.fit, self.pool.criterion)
-        # no noise is more than what some structure leaves
-        least = min(one.fit.rms for one in self.pool.known.values())
-        louder = heard.noise.deviation > max(_LOUDER * least, self.pool.noise.deviation)
-        if louder or heard.absolute < self.pool.absolute:
-            heard = heard.under(self.pool.noise)
-        heard.take(self.pool)
-        self.pool = heard
+        likely = max(pools, key=lambda pool: pool.absolute)
+        heard = pools[-1] if likely is pools[-1] else pools[-1].under(likely.noise)
+        if heard is not self.pool:
+            heard.take(self.pool)
+            self.pool = heard
+
+    def _pool_of(self, one: Structure) -> Pool:
+        return pool_of(self.campaign, one.fit, self.pool.first.fit, self.pool.criterion)
 
     def _doubt(self, last: Structure) -> None:
         """What else would do: the structure without each of its effects, those of the base too, with another in the place of each, and with

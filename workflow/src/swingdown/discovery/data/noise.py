@@ -83,6 +83,8 @@ def measure_noise(
     # what a kinked error leaves in the band looks like strong slow noise; the noise is not more than the whole residual
     squares = np.concatenate([np.square(residual) for _, residual in residuals])
     whole = float(np.sqrt(squares.sum() / max(squares.size - free, 1)))
+    # what is not forgotten within a half-swing is a drift, and no noise
+    most = float(np.exp(-2 * frequency * np.median([np.median(np.diff(times)) for times, _ in residuals])))
     found = [
         # that the noise rises within the band does not say that it is next to none below
         at_most(
@@ -90,7 +92,7 @@ def measure_noise(
             whole,
             float(np.sqrt(2 / squares.size)),
         )
-        for likely, one in either(cosine, power, HANN, whole, squares.size)
+        for likely, one in either(cosine, power, HANN, whole, squares.size, most)
     ]
     return sorted(found, key=lambda noise: -noise.likely)
 

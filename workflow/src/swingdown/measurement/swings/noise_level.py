@@ -14,8 +14,7 @@ HARMONICS = 8  # of the pendulum: above, a swing leaves nothing
 _LINE = 10.0  # times its neighbours' median: a line of the mains or of a bearing, and no noise
 _NEIGHBOURS = 32
 SPECTRUM = 64  # samples; a spectrum of fewer is too coarse for a band
-# any level of slow noise as likely before
-_CORRELATIONS = np.tanh(np.linspace(np.arctanh(-0.9), np.arctanh(0.995), 400))
+_MEMORIES = 300  # that are looked at: of correlations from -0.9 on, any level of slow noise as likely before
 _APART = 0.5  # of the logarithm of the slow spectrum: what is known no better is told apart
 HANN = 0.514  # of neighbouring powers under Hann's window: they are correlated by 0.444, those after next by 0.028
 _WINDOWS = 20_000  # that are looked at
@@ -84,12 +83,12 @@ def whittle(cosine: Floats, power: Floats, independent: float = 1.0) -> Noise:
 
 
 def either(
-    cosine: Floats, power: Floats, independent: float, whole: float, samples: int
+    cosine: Floats, power: Floats, independent: float, whole: float, samples: int, most: float
 ) -> list[tuple[float, Noise]]:
     """What the noise may be by powers above the pendulum's: white, and with a memory; each with the logarithm of how likely it is.
 
-    The powers tell little of a memory, and less of the spectrum below them: of groups of ``_CORRELATIONS``, all as probable, the means are
-    told, of the logarithms of variance and slow spectrum. The noise is as likely to be all of a series, whose standard deviation is ``whole``, as any part of it.
+    The powers tell little of a memory, and less of the spectrum below them: of groups of correlations up to ``most``, all as probable, the
+    means are told, of the logarithms of variance and slow spectrum. The noise is as likely to be all of a series, whose standard deviation is ``whole``, as any part of it.
 
     Parameters
     ----------
@@ -98,7 +97,8 @@ def either(
     whole, samples
         The standard deviation of the series, and how many samples it has.
     """
-    rho, own = np.r_[0.0, _CORRELATIONS], 1 / np.sqrt(power.size * independent)
+    rho = np.r_[0.0, np.tanh(np.linspace(np.arctanh(-0.9), np.arctanh(most), _MEMORIES))]
+    own = 1 / np.sqrt(power.size * independent)
     costs, innovations = np.array([_level(one, cosine, power) for one in rho]).T
     variance, slow = np.log(innovations / (1 - rho**2)), np.log(innovations / (1 - rho) ** 2)
     above = np.log(whole**2) - variance
@@ -114,7 +114,7 @@ def either(
         error = float(np.sqrt(weight @ (slow[these] - level) ** 2 + own**2))
         # the correlation of a spectrum that has these two levels
         memory = Noise(float(np.exp(0.5 * size)), float(np.tanh(0.5 * (level - size))), error)
-        found.append((together - float(np.log(1 if these[0] == 0 else _CORRELATIONS.size)), memory))
+        found.append((together - float(np.log(1 if these[0] == 0 else _MEMORIES)), memory))
     return found
 
 
