@@ -28,7 +28,7 @@ from .budget import Budget
 from .criterion import USUAL, Criterion
 from .data.campaign import Campaign
 from .judge.findings import told_of
-from .judge.structures import Key, Pool, Structure
+from .judge.structures import Key, Structure
 from .move.candidates import without
 from .move.evidence import Candidate
 from .move.laws import damping, with_each_law
@@ -99,10 +99,10 @@ class _Search:
         criterion: Criterion,
     ):
         self.campaign, self.allowed, self.budget = campaign, allowed, budget
-        self.pool = pool_of(campaign, begun, criterion=criterion)
+        self.pool = pool_of(campaign, [begun], criterion=criterion)
         base = opened(begun, campaign.fit, campaign.slack, self.pool.noise)
         if base is not begun:
-            self.pool = pool_of(campaign, base, criterion=criterion)
+            self.pool = pool_of(campaign, [base], criterion=criterion)
         self.ranked: dict[Key, list[Candidate]] = {}  # by structure, what was tried there
         self.with_laws: set[Key] = set()  # what each law of damping was tried beside
 
@@ -240,25 +240,18 @@ class _Search:
             self.pool.look(fit)
 
     def _heard(self, best: Structure) -> None:
-        """What the best structure leaves in the band of the noise is the noise: what a worse one leaves there may be its misfit. Of the noises
-        heard so far, and of what is left least, that counts under which a structure is most probable. Unnamed torques are those that act on the
-        best one's swings."""
-        pools = [self.pool]
+        """What the best structure leaves in the band of the noise is the noise: what a worse one leaves there may be its misfit. Of this, of the
+        noise so far, and of that of the structure that leaves least, where it leaves less than the noise, the noise is what makes one of them most
+        probable. Unnamed torques are those that act on the best one's swings."""
         quietest = min(self.pool.known.values(), key=lambda one: one.fit.rms)
-        if self.pool.noise.deviation > _LOUDER * quietest.fit.rms and quietest.key != best.key:
-            pools.append(self._pool_of(quietest))
-        if best.fit is not self.pool.near:
-            pools.append(self._pool_of(best))
-        elif len(pools) == 1:
+        fits = [best.fit]
+        if quietest is not best and self.pool.noise.deviation > _LOUDER * quietest.fit.rms:
+            fits.append(quietest.fit)
+        elif best.fit is self.pool.near:
             return
-        likely = max(pools, key=lambda pool: pool.absolute)
-        heard = pools[-1] if likely is pools[-1] else pools[-1].under(likely.noise)
-        if heard is not self.pool:
-            heard.take(self.pool)
-            self.pool = heard
-
-    def _pool_of(self, one: Structure) -> Pool:
-        return pool_of(self.campaign, one.fit, self.pool.first.fit, self.pool.criterion)
+        heard = pool_of(self.campaign, fits, self.pool.first.fit, self.pool.noise, self.pool.criterion)
+        heard.take(self.pool)
+        self.pool = heard
 
     def _doubt(self, last: Structure) -> None:
         """What else would do: the structure without each of its effects, those of the base too, with another in the place of each, and with
