@@ -9,13 +9,16 @@ from swingdown.discovery.data.campaign import Swing, campaign
 from swingdown.discovery.data.noise import Noise
 from swingdown.discovery.judge.findings import judged
 from swingdown.discovery.judge.structures import Pool
+from swingdown.discovery.move.refit import refit
 from swingdown.discovery.search import discover
 from swingdown.discovery.see.discrepancy import Unnamed
 from swingdown.discovery.see.linear import frame, orthonormal
 from swingdown.discovery.see.restricted import Likelihood
 from swingdown.discovery.tell.files import summary
 from swingdown.discovery.tell.verdict import verdict
+from swingdown.engine.trajectory import simulate
 from swingdown.fitting.least_squares import fit_jointly
+from swingdown.fitting.result import Begin, SwingStart
 from swingdown.pendulum.model import Model
 from swingdown_trials.second_pendulum import trajectory
 
@@ -251,3 +254,20 @@ def test_what_took_the_place_of_an_effect_of_the_base_is_held_against_that_one()
     finding = judged(pool, pool.known[frozenset(("structural_damping",))])["structural_damping"]
     assert not finding.sure
     assert finding.share > 1
+
+
+def test_an_effect_that_does_the_whole_of_the_restoring_is_no_structure():
+    """It is a pendulum in the place of the one that is searched."""
+    rng, made = np.random.default_rng(4), []
+    well = {"natural_frequency": 0.02, "viscous_ratio": 0.1, "magnet_depth": 38.0, "magnet_width": 2.3}
+    model = Model("viscous+magnet", well, restoring="linear")
+    for angle in (1.6, -0.9):
+        noise = NOISE.deviation * rng.standard_normal(TIMES.size)
+        made.append(Swing(f"{angle}", TIMES, simulate(model, TIMES, angle) + noise))
+    one = replace(campaign("well", made), fit=tuple(made))
+    base = fit_jointly(Model("viscous", restoring="linear"), [swing.pair for swing in made], bounded=True)
+    starts = tuple(SwingStart(well, angle, 0.0) for angle in (1.6, -0.9))
+    pool, found = Pool(one, NOISE, base), refit(Begin(model, starts), made, ended=True)
+    pool.look(found)
+    assert found.rms < 2 * NOISE.deviation < base.rms / 2
+    assert list(pool.known) == [pool.base]

@@ -19,7 +19,7 @@ from ...pendulum.effect import NATURAL_FREQUENCY
 from ..criterion import USUAL, Criterion
 from ..data.campaign import Campaign
 from ..data.noise import Noise
-from ..move.admissible import at_its_bound
+from ..move.admissible import at_its_bound, swings_by_itself
 from ..move.candidates import without
 from ..move.refit import FAILURES, refit
 from ..see.discrepancy import Discrepancy, Unnamed
@@ -117,13 +117,14 @@ class Pool:
         """Keep a fit where it is the best of its effects; one that cannot be seen to first order is passed over.
 
         Effects whose best fit has one at a bound are no structure: to first order it could go on beyond, and what it stands in for there
-        is another effect.
+        is another effect. Nor are those that swing by themselves.
         """
         key = key_of(fit)
         old = self.known.get(key)
         if old is not None and old.fit.rss <= fit.rss:
             return
-        if any(at_its_bound(fit, name) for name in fit.model.names if name not in self.base):
+        added = [name for name in fit.model.names if name not in self.base]
+        if any(at_its_bound(fit, name) for name in added) or (added and not swings_by_itself(fit)):
             self.known.pop(key, None)
             return
         try:

@@ -69,6 +69,12 @@ def at_its_bound(fit: Fit, name: str) -> str:
     return ""
 
 
+def swings_by_itself(fit: Fit) -> bool:
+    """False where the data leave the pendulum's own frequency anywhere: an effect that does the whole of the restoring is a pendulum, and
+    nothing that one lacks."""
+    return not _vague(fit, NATURAL_FREQUENCY.name, fit.model.values[NATURAL_FREQUENCY.name])
+
+
 def is_there(fit: Fit, name: str) -> bool:
     """True where the size of an effect did not end at the bound at which nothing of it is there."""
     size = fit.model.catalogue[name].size
