@@ -271,3 +271,13 @@ def test_an_effect_that_does_the_whole_of_the_restoring_is_no_structure():
     pool.look(found)
     assert found.rms < 2 * NOISE.deviation < base.rms / 2
     assert list(pool.known) == [pool.base]
+
+
+def test_what_is_not_there_is_a_rival_and_nothing_beside_what_is_there(spring):
+    pool = pooled(
+        spring, "viscous", "viscous+cubic_stiffness", "viscous+detent", "viscous+cubic_stiffness+detent"
+    )
+    left = pool.but({"detent"}, {"cubic_stiffness"})
+    assert {tuple(left.added(key)) for key in left.known} == {(), ("cubic_stiffness",), ("detent",)}
+    assert len(pool.known) == 4
+    assert left.of(["cubic_stiffness"]) > 0.99

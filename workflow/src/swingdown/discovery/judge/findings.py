@@ -104,7 +104,7 @@ def told_of(pool: Pool, best: Structure) -> tuple[Structure, dict[str, Finding]]
         fewer = _fewer(pool, here, sorted(little, key=lambda name: -little[name]))
         if fewer is None:
             return best, whole
-        here, found = fewer, judged(pool, fewer, best)
+        here, found = fewer, judged(pool.but(best.key - fewer.key, pool.added(fewer.key)), fewer, best)
     return (here, found) if any(one.sure for one in found.values()) else (best, whole)
 
 

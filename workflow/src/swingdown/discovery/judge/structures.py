@@ -7,6 +7,7 @@ effect of the base that it lacks: what something unnamed may do in its place was
 
 from collections.abc import Collection, Iterable, Mapping
 from contextlib import suppress
+from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -146,6 +147,12 @@ class Pool:
         except TrajectoryError:
             return False
         return True
+
+    def but(self, dropped: Collection[str], kept: Collection[str]) -> "Pool":
+        """The structures but those that have effects which are not there beside effects that are kept."""
+        found, dropped, kept = copy(self), frozenset(dropped), frozenset(kept)
+        found.known = {key: one for key, one in self.known.items() if not (key & dropped and key & kept)}
+        return found
 
     def lacking(self, one: Structure, names: Collection[str]) -> list[Structure]:
         """The structure without these of its effects, fitted where it is not known, and those with effects of the base again which they may
