@@ -62,9 +62,11 @@ class Finding:
 
 def judged(pool: Pool, best: Structure, most: Structure | None = None) -> dict[str, Finding]:
     """The ``Finding`` of each effect that a structure has beside the base; of its frictions in one, and of its drags, where they are not
-    sure each. What an effect is nearly is seen in the ``most`` probable structure, too (default: the same)."""
+    sure each. Of the ``most`` probable structure (default: the same) it may leave effects out, beside which its own are named no more; what
+    an effect is nearly is seen in that one, too."""
     alike = (best,) if most is None else (best, most)
-    found = {name: _finding(pool, best, name, alike) for name in pool.added(best.key)}
+    named = pool if most is None else pool.but(most.key - best.key, pool.added(best.key))
+    found = {name: _finding(pool, named, best, name, alike) for name in pool.added(best.key)}
     for kind in (pool.frictions, pool.drags):
         names = [name for name in kind(best.key) if name in found]
         shown, like = _shown(pool, kind())
@@ -104,7 +106,7 @@ def told_of(pool: Pool, best: Structure) -> tuple[Structure, dict[str, Finding]]
         fewer = _fewer(pool, here, sorted(little, key=lambda name: -little[name]))
         if fewer is None:
             return best, whole
-        here, found = fewer, judged(pool.but(best.key - fewer.key, pool.added(fewer.key)), fewer, best)
+        here, found = fewer, judged(pool, fewer, best)
     return (here, found) if any(one.sure for one in found.values()) else (best, whole)
 
 
@@ -144,20 +146,21 @@ def _shown(pool: Pool, kind: Sequence[str]) -> tuple[Seen | None, list[str]]:
     return one if sure else None, like
 
 
-def _finding(pool: Pool, best: Structure, name: str, alike: Sequence[Structure]) -> Finding:
+def _finding(pool: Pool, named: Pool, best: Structure, name: str, alike: Sequence[Structure]) -> Finding:
+    """That of one effect by its name, whose probability is among the structures of ``named``."""
     simpler = _simpler(pool, best, name, alike)
     same = {name, *simpler, *_at_its_values(pool, best, name)}
     # what the structure has beside it is there with or without it: no rival
-    others = {one for key in pool.known for one in pool.added(key)} - same - best.key
+    others = {one for key in named.known for one in named.added(key)} - same - best.key
     ties = simpler
-    chance = pool.of(same)
+    chance = named.of(same)
     while chance < pool.criterion.probable and len(ties) + 1 < pool.criterion.ties and others:
-        nearest = max(sorted(others), key=lambda one: pool.of([*same, *ties, one]))
-        if pool.of([*same, *ties, nearest]) - chance < pool.criterion.possible / pool.criterion.ties:
+        nearest = max(sorted(others), key=lambda one: named.of([*same, *ties, one]))
+        if named.of([*same, *ties, nearest]) - chance < pool.criterion.possible / pool.criterion.ties:
             break
         ties.append(nearest)
         others.discard(nearest)
-        chance = pool.of([*same, *ties])
+        chance = named.of([*same, *ties])
     return _asked(pool, best, name, [name], Finding(chance, tuple(ties)))
 
 
