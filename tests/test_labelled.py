@@ -17,6 +17,7 @@ from swingdown.pendulum.model import Model
 sys.path.insert(0, str(Path(__file__).parent / "benchmarks" / "labelled"))
 
 import labelled
+import twins
 
 
 def test_an_apparatus_is_open_or_searched_once_and_of_each_are_a_dozen():
@@ -153,3 +154,25 @@ def test_a_row_of_the_role_holdout_is_held_out(recorded, tmp_path):
     one = pickle.loads((tmp_path / "kept" / "wheel.campaign.pkl").read_bytes())
     assert [swing.times[0] >= 12 for swing in one.fit] == [True]
     assert [swing.times[-1] <= 18 for swing in one.holdout] == [True]
+
+
+def test_a_twin_has_what_is_known_and_nothing_else(recorded, tmp_path, capsys):
+    """What its search tells is what the recording could tell."""
+    asked, table = recorded({}, {"campaign": "short", "stop": "2.9"}), tmp_path / "table.csv"
+    labelled.main([*asked, "--out", str(table)])
+    capsys.readouterr()
+    asked = [
+        *asked[: asked.index("--mirrors")],
+        "--table",
+        str(table),
+        "--draws",
+        "1",
+        "--told",
+        "right",
+        "nothing",
+    ]
+    twins.main(asked)
+    said = capsys.readouterr().out
+    assert "wheel | right 1 | nothing 0 | wrong 0" in said
+    assert "short: not read: 3 half-swings" in said
+    assert "of most twins: 1 of 1 campaigns" in said

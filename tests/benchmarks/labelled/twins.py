@@ -1,9 +1,9 @@
 """Whether recordings of others could tell what is known to be there: their twins, which have that and nothing else, searched alike.
 
-    .venv/bin/python tests/benchmarks/labelled/twins.py FOLDER --split learn|apart [--mirrors FOLDER] [--data FOLDER] [--only TEXT]
-        [--draws 5] [--budget SECONDS] [--told nothing] [--table docs/labelled.csv]
+    .venv/bin/python tests/benchmarks/labelled/twins.py FOLDER --split learn|apart [--data FOLDER] [--only TEXT] [--draws 5]
+        [--budget SECONDS] [--told nothing] [--table docs/labelled.csv]
 
-FOLDER, ``--mirrors``, ``--data`` and ``--only`` are those of labelled.py. A twin is the best fit of what is known to the whole campaign, at the same times, under noise
+FOLDER is as labelled.py filled it, ``--data`` and ``--only`` are as there. A twin is the best fit of what is known to the whole campaign, at the same times, under noise
 that is as strong and as slow as what this fit leaves where a pendulum has nothing to say. What a search does not tell of the twins
 either, the recording is too short, too noisy or too even to tell. ``--told`` keeps the campaigns of which the table says so.
 """
@@ -22,6 +22,7 @@ from scipy.signal import lfilter
 from swingdown.discovery.data.campaign import campaign
 from swingdown.discovery.rounds import first_fit, noise_of
 from swingdown.engine.trajectory import TrajectoryError
+from swingdown.errors import InputError
 from swingdown.pendulum.model import Model
 
 FORGOTTEN = 1000  # samples before the first, after which coloured noise is as it goes on
@@ -55,7 +56,6 @@ def main(argv=None):
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folder", type=Path)
     parser.add_argument("--split", choices=["learn", "apart"], required=True)
-    parser.add_argument("--mirrors")
     parser.add_argument("--data", type=Path, default=Path())
     parser.add_argument("--only", nargs="*", default=[""])
     parser.add_argument("--draws", type=int, default=5)
@@ -69,7 +69,11 @@ def main(argv=None):
     for name, rows in labelled.listed(given.split).items():
         if last.get(name) not in given.told or not any(text in name for text in given.only):
             continue
-        one = labelled.built(rows, given.folder, given.data)
+        try:
+            one = labelled.built(rows, given.folder, given.data)
+        except InputError as problem:
+            print(f"{name}: not read: {problem.problem}")
+            continue
         base, label = Model(rows[0]["base"], restoring=rows[0]["restoring"]), rows[0]["label"]
         found = known(one, base, label)
         if found is None:
