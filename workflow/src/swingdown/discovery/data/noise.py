@@ -5,15 +5,21 @@ from dataclasses import dataclass, field, replace
 from math import comb
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.special import log_ndtr
 
 from ...arrays import Floats
 from ...measurement.swings.even import evenly
-from ...measurement.swings.noise_level import HANN, HARMONICS, SPECTRUM, either
+from ...measurement.swings.noise_level import HARMONICS, SPECTRUM, whittle_cost
 from .campaign import Swing
 
 _ORDER = 6  # of the differences of neighbouring samples
 # samples a period: of fewer the swing itself is in the differences, of more a band is free of it
 _FEWEST, _MOST = 15.0, 32.0
+_MEMORIES = 300  # that are looked at: of correlations from -0.9 on, any level of slow noise as likely before
+_FORGETS = 0.5  # periods in which noise has forgotten: what is slower is a drift, and no noise
+_APART = 0.5  # of the logarithm of the slow spectrum: what is known no better is told apart
+_HANN = 0.514  # of neighbouring powers under Hann's window: they are correlated by 0.444, those after next by 0.028
 
 
 @dataclass(frozen=True)
@@ -66,7 +72,22 @@ def measure_noise(
     free
         How many values the fit had.
     """
-    shapes, powers = [], []
+    cosine, power = _band(residuals, frequency, static)
+    # what a kinked error leaves in the band looks like strong slow noise; the noise is not more than the whole residual
+    squares = np.concatenate([np.square(residual) for _, residual in residuals])
+    whole = float(np.sqrt(squares.sum() / max(squares.size - free, 1)))
+    interval = np.median([np.median(np.diff(times)) for times, _ in residuals])
+    most = float(np.exp(-frequency * interval / _FORGETS))
+    found = _each_memory(cosine, power, whole, squares.size, most)
+    known = float(np.sqrt(2 / squares.size))
+    return sorted((at_most(noise, whole, known) for noise in found), key=lambda noise: -noise.likely)
+
+
+def _band(
+    residuals: Sequence[tuple[Floats, Floats]], frequency: float, static: Sequence[tuple[Floats, Floats]]
+) -> tuple[Floats, Floats]:
+    """(cosine of 2 pi frequency times sampling interval, power) above the pendulum's harmonics, and of records at rest everywhere."""
+    cosines, powers = [], []
     pieces = [piece for times, residual in residuals for piece in _pieces(times, residual, 1 / frequency)]
     for times, residual, low in [
         *((*piece, HARMONICS * frequency) for piece in pieces),
@@ -77,24 +98,47 @@ def measure_noise(
         power = np.abs(np.fft.rfft(window * residual)) ** 2 / np.sum(window**2)
         at = np.fft.rfftfreq(residual.size, interval)
         kept = (at > min(low, 0.25 / interval)) & (at < 0.499 / interval)
-        shapes.append(np.cos(2 * np.pi * at[kept] * interval))
+        cosines.append(np.cos(2 * np.pi * at[kept] * interval))
         powers.append(power[kept])
-    cosine, power = np.concatenate(shapes), np.concatenate(powers)
-    # what a kinked error leaves in the band looks like strong slow noise; the noise is not more than the whole residual
-    squares = np.concatenate([np.square(residual) for _, residual in residuals])
-    whole = float(np.sqrt(squares.sum() / max(squares.size - free, 1)))
-    # what is not forgotten within a half-swing is a drift, and no noise
-    most = float(np.exp(-2 * frequency * np.median([np.median(np.diff(times)) for times, _ in residuals])))
-    found = [
-        # that the noise rises within the band does not say that it is next to none below
-        at_most(
-            Noise(one.deviation, max(one.correlation, 0.0), one.known, likely),
-            whole,
-            float(np.sqrt(2 / squares.size)),
-        )
-        for likely, one in either(cosine, power, HANN, whole, squares.size, most)
-    ]
-    return sorted(found, key=lambda noise: -noise.likely)
+    return np.concatenate(cosines), np.concatenate(powers)
+
+
+def _each_memory(cosine: Floats, power: Floats, whole: float, samples: int, most: float) -> list[Noise]:
+    """The noise without a memory, and with each that is told apart, by the powers of a band.
+
+    They tell little of a memory, and less of the spectrum below the band: of groups of correlations up to ``most``, all as probable, the
+    means are told, of the logarithms of variance and slow spectrum. The noise is as likely to be all of a series of so many ``samples``, whose
+    standard deviation is ``whole``, as any part of it.
+    """
+    rho = np.r_[0.0, np.tanh(np.linspace(np.arctanh(-0.9), np.arctanh(most), _MEMORIES))]
+    own = 1 / np.sqrt(power.size * _HANN)
+    costs, innovations = np.array([whittle_cost(one, cosine, power) for one in rho]).T
+    variance, slow = np.log(innovations / (1 - rho**2)), np.log(innovations / (1 - rho) ** 2)
+    above = np.log(whole**2) - variance
+    known = np.hypot(own, np.sqrt(2 / samples * (1 + rho**2) / (1 - rho**2)))
+    every = -0.5 * (above / known) ** 2 - np.log(np.sqrt(2 * np.pi) * known)
+    part = log_ndtr(above / known) - np.log(max(float(above.max()), own))
+    likely = np.logaddexp(every, part) - costs * _HANN
+    likely[1:] -= np.log(_MEMORIES)
+    found = []
+    for these in (np.arange(1), *_told_apart(slow, likely)):
+        together = float(np.logaddexp.reduce(likely[these]))
+        weight = np.exp(likely[these] - together)
+        size, level = float(weight @ variance[these]), float(weight @ slow[these])
+        error = float(np.sqrt(weight @ (slow[these] - level) ** 2 + own**2))
+        # the correlation of a spectrum that has these two levels; that the noise rises within the band does not say that it is next to none below
+        memory = max(float(np.tanh(0.5 * (level - size))), 0.0)
+        found.append(Noise(float(np.exp(0.5 * size)), memory, error, together))
+    return found
+
+
+def _told_apart(slow: Floats, likely: Floats) -> list[NDArray[np.intp]]:
+    """The memories (the first of all is none) in groups of equal probability, as many as leave the slow spectrum known to ``_APART`` in each."""
+    weight = np.exp(likely[1:] - np.logaddexp.reduce(likely[1:]))
+    spread = float(np.sqrt(weight @ (slow[1:] - weight @ slow[1:]) ** 2))
+    count = max(int(np.ceil(spread / _APART)), 1)
+    group = np.minimum((np.cumsum(weight) - 0.5 * weight) * count, count - 1).astype(int)
+    return [1 + np.flatnonzero(group == k) for k in np.unique(group)]
 
 
 def _pieces(times: Floats, residual: Floats, period: float) -> list[tuple[Floats, Floats]]:

@@ -3,9 +3,8 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.optimize import minimize_scalar
-from scipy.special import log_ndtr
 
 from ...arrays import Floats
 from ...errors import InputError
@@ -14,9 +13,6 @@ HARMONICS = 8  # of the pendulum: above, a swing leaves nothing
 _LINE = 10.0  # times its neighbours' median: a line of the mains or of a bearing, and no noise
 _NEIGHBOURS = 32
 SPECTRUM = 64  # samples; a spectrum of fewer is too coarse for a band
-_MEMORIES = 300  # that are looked at: of correlations from -0.9 on, any level of slow noise as likely before
-_APART = 0.5  # of the logarithm of the slow spectrum: what is known no better is told apart
-HANN = 0.514  # of neighbouring powers under Hann's window: they are correlated by 0.444, those after next by 0.028
 _WINDOWS = 20_000  # that are looked at
 BAND = (15.0, 50.0)  # Hz; far above a pendulum's harmonics, below what mains and bearings bring
 
@@ -71,63 +67,18 @@ def whittle(cosine: Floats, power: Floats, independent: float = 1.0) -> Noise:
     """
     effective = power.size * independent
     best = minimize_scalar(
-        lambda one: _level(one, cosine, power)[0],
+        lambda one: whittle_cost(one, cosine, power)[0],
         bounds=(-0.9, 0.95),
         method="bounded",
         options={"xatol": 1e-4},
     ).x
-    (white, level), (coloured, innovations) = (_level(one, cosine, power) for one in (0.0, best))
+    (white, level), (coloured, innovations) = (whittle_cost(one, cosine, power) for one in (0.0, best))
     if (white - coloured) * independent <= 0.5 * np.log(effective):
         return Noise(float(np.sqrt(level)), 0.0, 1 / np.sqrt(effective))
     return Noise(float(np.sqrt(innovations / (1 - best**2))), float(best), 1 / np.sqrt(effective))
 
 
-def either(
-    cosine: Floats, power: Floats, independent: float, whole: float, samples: int, most: float
-) -> list[tuple[float, Noise]]:
-    """What the noise may be by powers above the pendulum's: white, and with a memory; each with the logarithm of how likely it is.
-
-    The powers tell little of a memory, and less of the spectrum below them: of groups of correlations up to ``most``, all as probable, the
-    means are told, of the logarithms of variance and slow spectrum. The noise is as likely to be all of a series, whose standard deviation is ``whole``, as any part of it.
-
-    Parameters
-    ----------
-    cosine, power, independent
-        As of ``whittle``.
-    whole, samples
-        The standard deviation of the series, and how many samples it has.
-    """
-    rho = np.r_[0.0, np.tanh(np.linspace(np.arctanh(-0.9), np.arctanh(most), _MEMORIES))]
-    own = 1 / np.sqrt(power.size * independent)
-    costs, innovations = np.array([_level(one, cosine, power) for one in rho]).T
-    variance, slow = np.log(innovations / (1 - rho**2)), np.log(innovations / (1 - rho) ** 2)
-    above = np.log(whole**2) - variance
-    known = np.hypot(own, np.sqrt(2 / samples * (1 + rho**2) / (1 - rho**2)))
-    every = -0.5 * (above / known) ** 2 - np.log(np.sqrt(2 * np.pi) * known)
-    part = log_ndtr(above / known) - np.log(max(float(above.max()), own))
-    likely = np.logaddexp(every, part) - costs * independent
-    found = []
-    for these in (np.arange(1), *_told_apart(slow, likely)):
-        together = float(np.logaddexp.reduce(likely[these]))
-        weight = np.exp(likely[these] - together)
-        size, level = float(weight @ variance[these]), float(weight @ slow[these])
-        error = float(np.sqrt(weight @ (slow[these] - level) ** 2 + own**2))
-        # the correlation of a spectrum that has these two levels
-        memory = Noise(float(np.exp(0.5 * size)), float(np.tanh(0.5 * (level - size))), error)
-        found.append((together - float(np.log(1 if these[0] == 0 else _MEMORIES)), memory))
-    return found
-
-
-def _told_apart(slow: Floats, likely: Floats) -> list[NDArray[np.intp]]:
-    """The memories (of which the first is none) in groups of equal probability, as many as leave the slow spectrum known to ``_APART`` in each."""
-    weight = np.exp(likely[1:] - np.logaddexp.reduce(likely[1:]))
-    spread = float(np.sqrt(weight @ (slow[1:] - weight @ slow[1:]) ** 2))
-    count = max(int(np.ceil(spread / _APART)), 1)
-    group = np.minimum((np.cumsum(weight) - 0.5 * weight) * count, count - 1).astype(int)
-    return [1 + np.flatnonzero(group == k) for k in np.unique(group)]
-
-
-def _level(correlation: float, cosine: Floats, power: Floats) -> tuple[float, float]:
+def whittle_cost(correlation: float, cosine: Floats, power: Floats) -> tuple[float, float]:
     """-ln of the likelihood of a correlation but for a constant, and the variance of the innovations."""
     shape = 1 / (1 + correlation**2 - 2 * correlation * cosine)
     variance = np.mean((power + 1e-300 + 1e-12 * np.mean(power)) / shape)
