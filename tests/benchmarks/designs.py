@@ -1,13 +1,13 @@
 """Campaigns of designs drawn at random through the search: how each ends, what it names, how long it takes.
 
     .venv/bin/python tests/benchmarks/designs.py SEED COUNT [--first K] [--kinds null,single,removed,foreign,pair] [--swings N] [--rate R]
-        [--seconds S] [--samples N] [--no-friction]
+        [--seconds S] [--samples N] [--no-friction] [--noise slow]
 
 Campaign K of a seed is always the same: so many swings of so many seconds at so many samples a second, up to an angle between 5 and 90 degrees, under
 a weight or a spring, read as an angle or a rate, under white, coloured or stepped noise; half of them with a misfit that has no name.
 The search begins with what damps the pendulum, or with a base that is too rich, too poor, or the default one. A line is printed for each
 campaign, and at the end how often each kind ended in which way. Without friction viscous drag alone damps the pendulums, so that what rubs is
-nothing that the search begins with.
+nothing that the search begins with. All noise may be of one kind: slow noise forgets in a fifth of a second.
 """
 
 import argparse
@@ -125,6 +125,7 @@ def main(argv=None):
     parser.add_argument("--seconds", type=float, default=SECONDS[1], help="of the longest swing")
     parser.add_argument("--samples", type=int, default=MOST, help="the most of a campaign")
     parser.add_argument("--no-friction", action="store_true")
+    parser.add_argument("--noise", choices=(*trials.NOISES, "slow"))
     given = parser.parse_args(argv)
     swings, rates = (given.swings,) if given.swings else SWINGS, (given.rate,) if given.rate else RATES
     ends, spent = Counter(), []
@@ -132,6 +133,8 @@ def main(argv=None):
         one = asked(
             given.seed, number, given.kinds.split(","), swings, rates, given.seconds, given.samples, not given.no_friction
         )  # fmt: skip
+        if given.noise:
+            one = one._replace(planned=one.planned._replace(noise=given.noise))
         sized = all(SHIPPED[name].size for name in one.planned.hidden if name in SHIPPED.names)
         trial = drawn(given.seed, one.planned, design=one.design) if sized else None
         if trial is not None and one.misfit:

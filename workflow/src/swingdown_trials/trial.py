@@ -34,6 +34,7 @@ OWN_FREQUENCY = (
     1e-3  # standard deviation of what swings of a pendulum that was taken down between them differ by
 )
 CORRELATION = 0.5  # of neighbouring samples of coloured noise
+MEMORY = 0.2  # s, of slow noise, which is in no schedule
 STEP = 2.0  # of noise in steps, in units of its whole standard deviation (an encoder's steps and little else)
 # one that takes energy away, drives or reads wrongly beside one that does not: pairs of which the data can tell both
 PAIRS = (
@@ -333,13 +334,20 @@ def _apart(
     for k in range(trial.design.swings):
         clean = _read(_swing(trial, (*trial.hidden, *trial.beside), k, times, catalogue), sensor)
         white = rng.standard_normal(times.size + 100)
-        if trial.noise == "coloured":
-            white = lfilter([np.sqrt(1 - CORRELATION**2)], [1, -CORRELATION], white)
+        if correlation := correlation_of(trial):
+            new = np.sqrt(1 - correlation**2)
+            white, _ = lfilter([new], [1, -correlation], white, zi=[(1 - new) * white[0]])
         noise = sigma * white[100:]
         if trial.noise == "steps":  # rounding adds step / sqrt 12 to what the sensor itself has
             step = STEP * sigma
             noise = step * np.round((clean + noise * np.sqrt(1 - STEP**2 / 12)) / step) - clean
         yield times, clean, noise
+
+
+def correlation_of(trial: Trial) -> float:
+    """That of neighbouring samples of a trial's noise."""
+    slow = float(np.exp(-1 / (MEMORY * trial.design.rate)))
+    return {"coloured": CORRELATION, "slow": slow}.get(trial.noise, 0.0)
 
 
 def _read(angle: Floats, sensor: Bench | None) -> Floats:
