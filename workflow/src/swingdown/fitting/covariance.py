@@ -37,7 +37,8 @@ def covariance_of(problem: Problem, hessian: Floats, rss: float, best: Floats) -
     systematic = systematic_of(problem, inverse, best)
     if problem.known is not None:
         known = np.nan_to_num(inverse)  # what a bound holds does not move, and leaves the others known
-        random = noise * (known @ (hessian - problem.known.precision) @ known)
+        with np.errstate(over="ignore", invalid="ignore"):  # of what the data leave anywhere
+            random = noise * (known @ (hessian - problem.known.precision) @ known)
         random[np.isnan(inverse)] = np.nan
         return random + systematic @ systematic.T, systematic
     return noise * inverse + systematic @ systematic.T, systematic

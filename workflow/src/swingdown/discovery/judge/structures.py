@@ -125,7 +125,7 @@ class Pool:
         if old is not None and old.fit.rss <= fit.rss:
             return
         added = [name for name in fit.model.names if name not in self.base]
-        if any(at_its_bound(fit, name) for name in added) or (added and not swings_by_itself(fit)):
+        if any(at_its_bound(fit, name) for name in added) or not swings_by_itself(fit, added):
             self.known.pop(key, None)
             return
         try:

@@ -1,6 +1,6 @@
 """Whether a fit can be what it is called: residuals of the noise's size, sizes and shapes within their bounds and determined."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -69,10 +69,12 @@ def at_its_bound(fit: Fit, name: str) -> str:
     return ""
 
 
-def swings_by_itself(fit: Fit) -> bool:
-    """False where the data leave the pendulum's own frequency anywhere: an effect that does the whole of the restoring is a pendulum, and
-    nothing that one lacks."""
-    return not _vague(fit, NATURAL_FREQUENCY.name, fit.model.values[NATURAL_FREQUENCY.name])
+def swings_by_itself(fit: Fit, names: Iterable[str]) -> bool:
+    """False where the data leave the pendulum's own frequency anywhere beside one of these effects that has a shape: what has any shape does the
+    whole of the restoring then, and is a pendulum in the place of this one."""
+    catalogue = fit.model.catalogue
+    shaped = any(catalogue[name].with_role("shape") and not catalogue.damps(name) for name in names)
+    return not (shaped and _vague(fit, NATURAL_FREQUENCY.name, fit.model.values[NATURAL_FREQUENCY.name]))
 
 
 def is_there(fit: Fit, name: str) -> bool:
