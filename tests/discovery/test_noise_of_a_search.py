@@ -14,6 +14,7 @@ from swingdown.discovery.see.linear import frame
 from swingdown.discovery.see.locate import line
 from swingdown.discovery.tell.files import summary
 from swingdown.discovery.tell.verdict import verdict
+from swingdown.engine.trajectory import simulate
 from swingdown.pendulum.model import Model
 from swingdown_trials.second_pendulum import trajectory
 
@@ -37,10 +38,13 @@ def measured(samples, rate, correlation=0.0):
     return np.exp(mean) / SIZE**2 * (1 - correlation) / (1 + correlation), known
 
 
+def verdict_on(one, base, restoring="sine"):
+    base = Model(base, restoring=restoring)
+    return verdict([summary(state, one) for state in discover(one, base)], base.catalogue)
+
+
 def status(one, base):
-    """That of the verdict."""
-    base = Model(base)
-    return verdict([summary(state, one) for state in discover(one, base)], base.catalogue)["status"]
+    return verdict_on(one, base)["status"]
 
 
 @pytest.mark.parametrize(("samples", "rate"), [(600, 50), (1000, 50), (600, 30), (3000, 30)])
@@ -132,3 +136,14 @@ def test_noise_with_a_memory_is_no_effect_where_samples_are_few(seed):
         noise = lfilter([np.sqrt(0.75)], [1, -0.5], rng.standard_normal(times.size + 100))[100:]
         made.append(Swing(f"{angle}", times, clean + SIZE * noise))
     assert status(campaign("coloured", made), "viscous") == "consistent"
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_a_damping_of_which_a_swing_has_few_samples_is_no_slow_noise(seed):
+    """Six seconds of a braked wheel at ten samples a second: noise that forgets nothing within the record would explain all that is missing."""
+    values = {"natural_frequency": 3.35, "viscous_ratio": 0.19, "constant_friction": 0.02}
+    times = np.arange(0, 6, 0.1)
+    made = simulate(Model("viscous+constant_coulomb", values, restoring="linear"), times, 2.0)
+    made = made + 0.005 * np.random.default_rng([3, seed]).standard_normal(times.size)
+    found = verdict_on(campaign("braked", [Swing("a", times, made)]), "constant_coulomb", "linear")
+    assert "viscous" in {name for one in found["effects"] for name in (one["name"], *one["tied_with"])}
