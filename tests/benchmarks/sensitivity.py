@@ -36,7 +36,7 @@ SETTINGS = {
     "see.discrepancy": ("_BINS", "_SEEN", "_NOISE_KNOWN"),
     "see.kinds": ("_ANGLES", "_SPEEDS", "_TIMES", "SMOOTH", "_KEPT", "_FINE"),
     "see.restricted": ("_ANY",),
-    "search": ("_LOUDER", "_AGAIN"),
+    "search": ("_AGAIN",),
     "move.admissible": ("_VAGUE", "_HOPELESS"),
     "move.ranking": ("_PROMISING", "_HOPEFUL", "_FIRST", "_WIDE", "_FEW", "_FAR", "_FELL_SHORT", "_NUDGED", "_SHARES", "_SHAPES"),
     "move.evidence": ("TIE",),
@@ -47,7 +47,7 @@ SETTINGS = {
 }  # fmt: skip
 CRITERION = [one.name for one in fields(rules.USUAL)]
 SHARES = {"probable", "_ALIKE"}  # below 1: what they leave of 1 is halved and doubled
-RATIOS = {"_FELL_SHORT", "_LOUDER"}  # above 1: what they have beyond 1 is
+RATIOS = {"_FELL_SHORT"}  # above 1: what they have beyond 1 is
 
 
 def scaled(name, value, factor):

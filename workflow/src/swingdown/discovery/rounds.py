@@ -41,21 +41,21 @@ def noise_of(campaign: Campaign, fit: Fit) -> Noise:
     """The noise on a campaign's swings, from the residuals of a fit to them: of what it may be that which makes these residuals most
     probable, whether or not something is missing."""
     likely = _likely(campaign, fit, fit)
-    return likely[0] if len(likely) == 1 else _most_probable(campaign, [fit], fit, likely).noise
+    return likely[0] if len(likely) == 1 else _most_probable(campaign, fit, fit, likely).noise
 
 
 def pool_of(
     campaign: Campaign,
-    fits: Sequence[Fit],
+    fit: Fit,
     base: Fit | None = None,
     heard: Noise | None = None,
     criterion: Criterion = USUAL,
 ) -> Pool:
-    """The structures of ``fits`` and of their ``base`` (default: the first), seen near the first one: under the noise that one of them leaves
-    (``noise_of``), or that was ``heard`` before, whichever makes one of them most probable. The pendulum's frequency is that of the base."""
-    base = base or fits[0]
-    noises = [noise for fit in fits for noise in _likely(campaign, fit, base)]
-    return _most_probable(campaign, fits, base, [*noises, *([heard] if heard else [])], criterion)
+    """The structures of a fit and of its ``base`` (default: itself), seen near the fit: under its noise (``noise_of``), or that which was
+    ``heard`` before, whichever makes one of them more probable. The pendulum's frequency is that of the base."""
+    base = base or fit
+    noises = _likely(campaign, fit, base)
+    return _most_probable(campaign, fit, base, [*noises, *([heard] if heard else [])], criterion)
 
 
 def _likely(campaign: Campaign, fit: Fit, base: Fit) -> list[Noise]:
@@ -70,11 +70,10 @@ def _likely(campaign: Campaign, fit: Fit, base: Fit) -> list[Noise]:
 
 
 def _most_probable(
-    campaign: Campaign, fits: Sequence[Fit], base: Fit, noises: Sequence[Noise], criterion: Criterion = USUAL
+    campaign: Campaign, fit: Fit, base: Fit, noises: Sequence[Noise], criterion: Criterion = USUAL
 ) -> Pool:
-    pool = Pool(campaign, noises[0], base, fits[0], criterion=criterion)
-    for fit in fits:
-        pool.look(fit)
+    pool = Pool(campaign, noises[0], base, fit, criterion=criterion)
+    pool.look(fit)
     return max((pool, *map(pool.under, noises[1:])), key=lambda one: one.absolute)
 
 

@@ -39,7 +39,6 @@ from .next.proposal import NextSwing, next_swing
 from .rounds import first_fit, pool_of, round_of, unseen
 from .state import Round
 
-_LOUDER = 1.03  # times what a structure leaves: a noise that is more may be none
 _AGAIN = 2  # times that what else would do may turn out to be more probable
 
 
@@ -99,10 +98,10 @@ class _Search:
         criterion: Criterion,
     ):
         self.campaign, self.allowed, self.budget = campaign, allowed, budget
-        self.pool = pool_of(campaign, [begun], criterion=criterion)
+        self.pool = pool_of(campaign, begun, criterion=criterion)
         base = opened(begun, campaign.fit, campaign.slack, self.pool.noise)
         if base is not begun:
-            self.pool = pool_of(campaign, [base], criterion=criterion)
+            self.pool = pool_of(campaign, base, criterion=criterion)
         self.ranked: dict[Key, list[Candidate]] = {}  # by structure, what was tried there
         self.with_laws: set[Key] = set()  # what each law of damping was tried beside
 
@@ -240,18 +239,13 @@ class _Search:
             self.pool.look(fit)
 
     def _heard(self, best: Structure) -> None:
-        """What the best structure leaves in the band of the noise is the noise: what a worse one leaves there may be its misfit. Of this, of the
-        noise so far, and of that of the structure that leaves least, where it leaves less than the noise, the noise is what makes one of them most
-        probable. Unnamed torques are those that act on the best one's swings."""
-        quietest = min(self.pool.known.values(), key=lambda one: one.fit.rms)
-        fits = [best.fit]
-        if quietest is not best and self.pool.noise.deviation > _LOUDER * quietest.fit.rms:
-            fits.append(quietest.fit)
-        elif best.fit is self.pool.near:
-            return
-        heard = pool_of(self.campaign, fits, self.pool.first.fit, self.pool.noise, self.pool.criterion)
-        heard.take(self.pool)
-        self.pool = heard
+        """What the best structure leaves in the band of the noise is the noise: what a worse one leaves there may be its misfit. Of this and
+        the noise so far it is the one under which a structure is more probable. Unnamed torques are those that act on the best one's swings."""
+        if best.fit is not self.pool.near:
+            first, criterion = self.pool.first.fit, self.pool.criterion
+            heard = pool_of(self.campaign, best.fit, first, self.pool.noise, criterion)
+            heard.take(self.pool)
+            self.pool = heard
 
     def _doubt(self, last: Structure) -> None:
         """What else would do: the structure without each of its effects, those of the base too, with another in the place of each, and with
