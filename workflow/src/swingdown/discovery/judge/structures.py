@@ -118,7 +118,7 @@ class Pool:
         """Keep a fit where it is the best of its effects; one that cannot be seen to first order is passed over.
 
         Effects whose best fit has one at a bound are no structure: to first order it could go on beyond, and what it stands in for there
-        is another effect. Nor are those that swing by themselves.
+        is another effect. Nor are those beside which the pendulum does not swing by itself.
         """
         key = key_of(fit)
         old = self.known.get(key)
