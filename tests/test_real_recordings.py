@@ -140,9 +140,11 @@ def found(jensen):
 
 @pytest.mark.slow("a search")
 def test_three_swings_of_a_link_have_no_name_for_what_they_lack(found):
-    """The trigger's jumps on return strokes are in no catalogue: an effect may be added, nothing may be called complete."""
-    assert found["status"] in ("unknown", "partial")
-    assert found["gap"]["holdout"][-1] <= found["gap"]["holdout"][0]
+    """The trigger's jumps on return strokes are in no catalogue, and pass for slow noise: nothing is told, and nothing called complete."""
+    assert found["status"] == "unknown" and found["effects"] == []
+    assert found["noise_correlation"] > 0.9
+    assert found["gap"]["holdout"][-1] > 3
+    assert "has no name in the catalogue" in found["sentence"]
     assert found["split"] == "held out by amplitude: rel90"
     # the base does not fit: a term of it would give energy, or is not needed beside what was found
     assert found["misspecified"] == ["viscous_ratio"] or found["removed"]
@@ -151,9 +153,7 @@ def test_three_swings_of_a_link_have_no_name_for_what_they_lack(found):
 
 
 @pytest.mark.slow("a search")
-@pytest.mark.xfail(
-    reason="7.9 of 11.0 times the noise: what brought it to 7.4 is doubted now as not of one size"
-)
+@pytest.mark.xfail(reason="4.5 of 4.5 times the noise, which the trigger's jumps make slow: nothing is added")
 def test_a_third_of_the_links_gap_is_explained(found):
     assert found["gap"]["holdout"][-1] < 0.7 * found["gap"]["holdout"][0]
 

@@ -334,7 +334,7 @@ def _apart(
     for k in range(trial.design.swings):
         clean = _read(_swing(trial, (*trial.hidden, *trial.beside), k, times, catalogue), sensor)
         white = rng.standard_normal(times.size + 100)
-        if correlation := correlation_of(trial):
+        if correlation := _correlation(trial):
             new = np.sqrt(1 - correlation**2)
             white, _ = lfilter([new], [1, -correlation], white, zi=[(1 - new) * white[0]])
         noise = sigma * white[100:]
@@ -344,7 +344,7 @@ def _apart(
         yield times, clean, noise
 
 
-def correlation_of(trial: Trial) -> float:
+def _correlation(trial: Trial) -> float:
     """That of neighbouring samples of a trial's noise."""
     slow = float(np.exp(-1 / (MEMORY * trial.design.rate)))
     return {"coloured": CORRELATION, "slow": slow}.get(trial.noise, 0.0)

@@ -48,14 +48,13 @@ def pool_of(
     campaign: Campaign,
     fit: Fit,
     base: Fit | None = None,
-    heard: Noise | None = None,
+    heard: Sequence[Noise] = (),
     criterion: Criterion = USUAL,
 ) -> Pool:
-    """The structures of a fit and of its ``base`` (default: itself), seen near the fit: under its noise (``noise_of``), or that which was
+    """The structures of a fit and of its ``base`` (default: itself), seen near the fit: under its noise (``noise_of``), or one that was
     ``heard`` before, whichever makes one of them more probable. The pendulum's frequency is that of the base."""
     base = base or fit
-    noises = _likely(campaign, fit, base)
-    return _most_probable(campaign, fit, base, [*noises, *([heard] if heard else [])], criterion)
+    return _most_probable(campaign, fit, base, [*_likely(campaign, fit, base), *heard], criterion)
 
 
 def _likely(campaign: Campaign, fit: Fit, base: Fit) -> list[Noise]:

@@ -243,7 +243,7 @@ class _Search:
         the noise so far it is the one under which a structure is more probable. Unnamed torques are those that act on the best one's swings."""
         if best.fit is not self.pool.near:
             first, criterion = self.pool.first.fit, self.pool.criterion
-            heard = pool_of(self.campaign, best.fit, first, self.pool.noise, criterion)
+            heard = pool_of(self.campaign, best.fit, first, [self.pool.noise], criterion)
             heard.take(self.pool)
             self.pool = heard
 
