@@ -281,3 +281,14 @@ def test_what_is_not_there_is_a_rival_and_nothing_beside_what_is_there(spring):
     assert {tuple(left.added(key)) for key in left.known} == {(), ("cubic_stiffness",), ("detent",)}
     assert len(pool.known) == 4
     assert left.of(["cubic_stiffness"]) > 0.99
+
+
+def test_what_is_told_alone_is_as_probable_as_it_is_alone(spring):
+    """Of what is left out the probability of the rest is no longer that of the structures which have both."""
+    pool = pooled(spring, "viscous", "viscous+cubic_stiffness", "viscous+cubic_stiffness+detent")
+    evidences = {(): -10.0, ("cubic_stiffness",): -20.0, ("cubic_stiffness", "detent"): 0.0}
+    for key, one in pool.known.items():
+        pool.known[key] = replace(one, plain=evidences[tuple(pool.added(key))], unnamed=-99.0)
+    alone, both = (next(one for key, one in pool.known.items() if len(key) == size) for size in (2, 3))
+    assert judged(pool, both)["cubic_stiffness"].probability > 0.99
+    assert judged(pool, alone, both)["cubic_stiffness"].probability < 0.01
