@@ -83,6 +83,22 @@ def test_the_window_is_cut_before_anything_is_checked(make):
     assert made["time"].values[[0, -1]] == pytest.approx([0.1, 2.0])
 
 
+@pytest.mark.parametrize(
+    ("factor", "begins", "rows", "start", "stop"), [(1e-3, 0.0, 4000, 15, ""), (1e-6, 0.0, 4000, 15, 30), (1, 0.0, 4000, 15, 30), (1e-3, 1.7e9, 1000, 1.7e9 + 2, "")],
+)  # fmt: skip
+def test_the_window_is_in_seconds_where_the_values_tell_the_unit_of_the_time(
+    make, factor, begins, rows, start, stop
+):
+    time = begins + np.arange(rows) / 100
+    signal = 0.4 * np.cos(7 * (time - begins)) * np.exp(-0.01 * (time - begins))
+    text = "clock,theta_rad\n" + "".join(
+        f"{t / factor:.0f},{x!r}\n" if factor < 1 else f"{t!r},{x!r}\n"
+        for t, x in zip(map(float, time), map(float, signal), strict=True)
+    )
+    made = make(text=text, start_s=start, stop_s=stop)
+    assert made["time"].values[[0, -1]] == pytest.approx([start, stop or time[-1]], rel=0, abs=1e-6)
+
+
 def test_netcdf_is_read_as_csv_is(make, tmp_path):
     xr.Dataset({"theta_deg": ("t_s", np.cos(TIME))}, {"t_s": TIME}).to_netcdf(tmp_path / "raw.nc")
     made = make(file="raw.nc", time_column="t_s", signal_column="theta_deg")

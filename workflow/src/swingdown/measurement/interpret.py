@@ -11,6 +11,7 @@ from ..errors import InputError
 from ..pendulum.half_swings import half_swings
 from ..rounding import moment
 from .choice import (
+    LOOKED_AT,
     SHORTEST,
     Chosen,
     alike_in,
@@ -28,7 +29,7 @@ from .files.columns import drives as moves_it
 from .files.columns import third as third_of
 from .files.runs import clock_part, several_runs
 from .files.series import series
-from .files.table import Table, apart
+from .files.table import Table, apart, first_rows
 from .positions import check_no_positions
 from .refused import WHICH_COLUMN
 from .signal import Interpreted, signal_of
@@ -79,6 +80,7 @@ def interpret(table: Table, row: Mapping[str, Any], place: str, restoring: str) 
         alike = [] if beside else alike_in(table, columns)
     where = f"{row['file']}, {place_of(columns.clock.name)} ({place})"
     read = [*names, *drives]
+    table, row, found = _with_window(table, row, columns, where)
     times, values, told = series(
         table, row, columns.clock.name, read, columns.time_unit or "s", beside + alike
     )
@@ -95,10 +97,9 @@ def interpret(table: Table, row: Mapping[str, Any], place: str, restoring: str) 
     if row["role"] != "static":
         if not columns.time_unit:
             _check_no_count(ordered.times, where)
-        known = values[0][ordered.kept]
-        counted = "asked" if guessed_in(table) and not row["signal_column"] else "taken"
-        ticks = counted if counts_ticks(times) else ""
-        factor, odd = time_factor(ordered.times, known, bool(columns.time_unit), where, ticks)
+        factor, odd = found or time_factor(
+            ordered.times, values[0][ordered.kept], bool(columns.time_unit), where, _ticks(times, table, row)
+        )
     if factor != 1.0:
         ordered = in_order(times * factor, values[0], where)
     times, values = ordered.times, [one[ordered.kept] for one in values]
@@ -159,6 +160,35 @@ def _part(times: Floats, row: Mapping[str, Any], where: str) -> tuple[slice, lis
     at = pieces[1].start
     why = f"the clock jumps back from {moment(times[at - 1])} to {moment(times[at])} s and counts anew, so that the file holds {{}} parts"
     raise several_runs(tuple(f"part {k}" for k in range(1, len(pieces) + 1)), row, where, why)
+
+
+def _with_window(
+    table: Table, row: Mapping[str, Any], columns: Chosen, where: str
+) -> tuple[Table, Mapping[str, Any], tuple[float, list[str]] | None]:
+    """The table, the row with its window (s) in the unit of the file's times, and what ``time_factor`` finds where nobody states that unit.
+
+    A window can leave no whole period: the first rows tell the unit, whatever the window.
+    """
+    window = {key: row[key] for key in ("start_s", "stop_s") if np.isfinite(row[key])}
+    if columns.time_unit or not window or row["role"] == "static":
+        return table, row, None
+    table, held = first_rows(table, LOOKED_AT)
+    names = (columns.clock.name, columns.found[0].name)
+    times, values = (np.concatenate([table.numbers(rows, name) for rows in held]) for name in names)
+    known = np.isfinite(times) & np.isfinite(values)
+    times, values = times[known], values[known]
+    if len(times) < SHORTEST:
+        return table, row, None
+    piece = parts(times)[0]
+    order = np.argsort(times[piece], kind="stable")
+    found = time_factor(times[piece][order], values[piece][order], False, where, _ticks(times, table, row))
+    return table, {**row, **{key: limit / found[0] for key, limit in window.items()}}, found
+
+
+def _ticks(times: Floats, table: Table, row: Mapping[str, Any]) -> str:
+    """The word for ``time_factor`` on times as a processor's clock counts them; "" for others."""
+    counted = "asked" if guessed_in(table) and not row["signal_column"] else "taken"
+    return counted if counts_ticks(times) else ""
 
 
 def _check_no_count(times: Floats, place: str) -> None:
