@@ -90,3 +90,25 @@ def test_whole_numbers_that_only_fall_are_no_clock_of_a_processor():
     assert not counts_ticks(np.arange(400.0)[::-1]) and counts_ticks(
         np.cumsum(np.tile([9.0, 11.0, 10.0], 200))
     )
+
+
+@pytest.mark.parametrize("header", ["", "pulse,tick\n"])
+def test_the_first_column_may_be_the_swing(take, header):
+    named = {"signal_column": "pulse" if header else "column 1"}
+    found = take(header + "".join(f"{x:.4f},{t:.4f}\n" for x, t in zip(ANGLE, TIMES, strict=True)), **named)
+    assert np.allclose(found["time"], TIMES) and np.allclose(found["signal"], ANGLE, atol=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("beside", "problem", "mend"), [("", "the file has 1 column", "samples a second"), (",{:.3f}", "none rises from row to row", "samples a second")],
+)  # fmt: skip
+def test_a_swing_without_a_time_is_refused(take, beside, problem, mend):
+    lines = [f"{x:.4f}" + beside.format(y) for x, y in zip(ANGLE, ANGLE[::-1], strict=True)]
+    with pytest.raises(InputError, match=problem) as told:
+        take("\n".join(lines) + "\n", signal_column="column 1")
+    assert mend in told.value.mend
+
+
+def test_what_is_called_a_time_is_no_swing(take):
+    with pytest.raises(InputError, match="column t.* a time is no angle"):
+        take("t,angle\n" + "".join(f"{t:.3f},{x:.4f}\n" for t, x in zip(TIMES, ANGLE, strict=True)), signal_column="t")  # fmt: skip

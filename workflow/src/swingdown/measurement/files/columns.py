@@ -213,8 +213,8 @@ def choose(
     """The column of the time, and that of the swing, or the two of its position x, y.
 
     ``time`` and ``signal`` are what the sample sheet names, "" where it leaves the choice, and ``units`` those
-    that it states; ``beside`` holds units that the file tells apart from its header. Without a word from it the time is the first column, unless that is something else and
-    another says that it is one; the swing is the second, unless that is no angle and another one is. InputError
+    that it states; ``beside`` holds units that the file tells apart from its header. Without a word from it the time is the first column beside the swing that it names, unless that
+    is something else and another says that it is one; the swing is the second, unless that is no angle and another one is. InputError
     names what a column holds that cannot be an angle.
     """
     columns = _numbered_once([meaning(name, beside.get(name, "")) for name in names])
@@ -222,9 +222,8 @@ def choose(
     if time:
         clock = by_name[time]
     else:
-        clock = next((one for one in columns if one.kind == TIME), columns[0])
-        if columns[0].kind == UNTOLD and columns[0].axis == "" and clock.kind != TIME:
-            clock = columns[0]
+        free = [one for one in columns if one.name != signal or (one.kind == TIME and not units[1])]
+        clock = next((one for one in free if one.kind == TIME), (free or columns)[0])
     if not units[0] and clock.kind not in (TIME, UNTOLD):
         raise InputError(
             f"{place}, {place_of(clock.name)}",
@@ -258,6 +257,10 @@ def _numbered_once(columns: list[Meaning]) -> list[Meaning]:
 def _swing(
     clock: Meaning, others: list[Meaning], by_name: dict[str, Meaning], signal: str, place: str, stated: str
 ) -> list[Meaning]:
+    if not others:
+        raise InputError(
+            place, "the file has 1 column(s)", "a column of time and one of the signal", "export both, or write the samples a second ⟨in rate_hz⟩",
+        )  # fmt: skip
     if signal:
         chosen = by_name[signal]
         pair = _pair(others) if chosen.kind == LENGTH or (chosen.axis and not stated) else []
@@ -267,10 +270,6 @@ def _swing(
     # what drives a pendulum, the number of the sample, and what stands beside a table without a name are none, while there is another
     for is_none in (drives, numbers_rows, lambda name: name.startswith(UNNAMED)):
         others = [one for one in others if not is_none(one.name)] or others
-    if not others:
-        raise InputError(
-            place, "the file has 1 column(s)", "a column of time and one of the signal", "export both"
-        )
     first = others[0]
     if stated in SIGNAL_RATES and (turning := next((one for one in others if one.kind == RATE), None)):
         return [turning]
