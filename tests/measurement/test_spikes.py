@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import swingdown
 from swingdown import dataset
 from swingdown.answer import fit
 from swingdown.engine.trajectory import simulate
@@ -137,6 +138,43 @@ def test_a_run_that_is_too_long_is_no_spike():
     signal = swing(6)
     signal[1000:1012] += 0.3
     assert not find_spikes(TIME, signal).where.any()
+
+
+def distances(seed=3, pace=10):
+    """How far a mass on a spring is from a ranger (cm) that reads it so many times a swing."""
+    noise = 0.3 * np.random.default_rng(seed).standard_normal(1500)
+    return 35 + 25 * np.exp(-np.arange(1500) / 1000) * np.cos(2 * np.pi * np.arange(1500) / pace) + noise
+
+
+@pytest.mark.parametrize("pace", [5, 10, 20])
+@pytest.mark.parametrize(("lost", "echo"), [([700], 290), ([100, 101, 102, 1400], 204), ([1], -300)])
+def test_what_is_far_from_all_others_is_a_spike_however_few_samples_a_swing_has(pace, lost, echo):
+    signal = distances(pace=pace)
+    signal[lost] = echo
+    found = find_spikes(np.arange(1500) / 10, signal)
+    assert list(np.flatnonzero(found.where)) == lost
+    assert np.ptp(found.healed) < 55
+
+
+def test_what_has_a_gap_for_another_reason_is_no_spike():
+    steps = np.zeros(1500)
+    steps[::400] = 1.0  # at rest, but for the last digit
+    held = distances(pace=5)
+    held[:10] = 290.0  # for longer than an accident
+    dies = 100 * np.exp(-np.arange(1500) / 4) * np.cos(2 * np.pi * np.arange(1500) / 6)
+    for signal in (steps, held, dies):
+        assert not find_spikes(np.arange(1500) / 10, signal).where.any()
+
+
+def test_of_distances_nobody_asks_for_turns(tmp_path):
+    """A hand that lets go hides the mass from the ranger: no unit is stated, and as degrees they would be half a turn apart."""
+    signal = distances()
+    signal[:30] = np.tile([290.0, 20.0, 290.0], 10)
+    (tmp_path / "a.csv").write_text("".join(f"{t / 10:.1f},{x:.2f}\n" for t, x in enumerate(signal)))
+    found = swingdown.read(tmp_path / "a.csv", restoring="linear").swings[0]
+    assert found["time"].values[-1] == 149.9 and np.ptp(found["angle"].values) < np.radians(55)
+    with pytest.raises(InputError, match="turns between two samples"):
+        swingdown.read(tmp_path / "a.csv", restoring="linear", unit="deg")
 
 
 @pytest.mark.parametrize("lost", [1, 2, 5])

@@ -114,7 +114,8 @@ def judge(times: Floats, signal: Floats, reading: Reading, place: str) -> Judged
         remarks += told
         if reading.scale:
             angle = spikes.healed * reading.scale
-            check_steps(times, angle, place)
+            if reading.stated or reading.restoring == "sine":  # what a spring pulls back may be no angle
+                check_steps(times, angle, place)
             remarks += drift(angle) + (turns_counted(angle - zero) if reading.restoring == "sine" else [])
     check_alive(times, signal, place)
     about = spikes.healed - zero / reading.scale if zero else spikes.healed

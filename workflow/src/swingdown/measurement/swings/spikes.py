@@ -51,8 +51,12 @@ def find_spikes(times: Floats, signal: Floats) -> Spikes:
     A place stands out where a spike on a cubic swing is far larger than those that noise and swing make nearby. There a
     polynomial through the swing about it says which samples are beside it, by 12 local standard deviations and 0.4 % of the
     range. It is no spike where the swing does not go on behind it as before (a jump, a kink, samples lost), and the first
-    and the last six samples are not looked at. Where more than 1 % of the samples would be spikes, none is.
+    and the last six samples are not looked at. Where more than 1 % of the samples would be spikes, none is. What lies further
+    from all others than these lie from each other is no measurement either, however few samples a swing has.
     """
+    if (far := _far(signal)).any():
+        rest = find_spikes(times, np.interp(times, times[~far], signal[~far]))
+        return Spikes(far | rest.where, rest.healed)
     none = Spikes(np.zeros(signal.size, dtype=bool), signal)
     even = evenly(times, signal)
     if not even.kept:
@@ -76,6 +80,18 @@ def find_spikes(times: Floats, signal: Floats) -> Spikes:
         grid = heal(grid, where)
     own = where[even.place]
     return Spikes(own, grid[even.place]) if 0 < np.count_nonzero(own) <= MOST * own.size else none
+
+
+def _far(signal: Floats) -> Bools:
+    """True for short runs of samples beyond a gap that is wider than all others reach, as of an echo that a ranger lost."""
+    order, few = np.sort(signal), int(MOST * signal.size)
+    far = np.zeros(signal.size, dtype=bool)
+    for side, ends in ((1, order), (-1, -order[::-1])):  # above the others, and below
+        last = ends[-few - 1 :]
+        reach = last[:-1] - ends[0]
+        if len(over := np.flatnonzero((np.diff(last) > reach) & (reach > 0))):
+            far |= side * signal > last[over[0]]
+    return far if all(b - a <= LONGEST for a, b in runs(far)) else np.zeros_like(far)
 
 
 def beside_holes(even: Even, period: float) -> Bools:
