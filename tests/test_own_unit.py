@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from swingdown import explain, fit, read
+from swingdown.answer import of_swings, searchable
 from swingdown.engine.trajectory import simulate
 from swingdown.errors import InputError
 from swingdown.measurement.sharing import sharing
@@ -141,6 +142,42 @@ def test_two_of_unknown_scale_share_no_model_and_each_is_searched_alone(tmp_path
     together, alone = sharing([one, other])
     assert together == [] and "make it a campaign of its own" in alone[1].mend
     assert "linear" not in alone[0].mend  # that is stated
+
+
+def _runs(tmp_path, unit):
+    """Two swings of one mass on a spring, the second half as wide, in a column each."""
+    values = {name: HIDDEN[name] for name in ("natural_frequency", "viscous_ratio", "constant_friction")}
+    model = Model("viscous+constant_coulomb", values, restoring="linear")
+    noise = 0.0005 * np.random.default_rng(4).standard_normal((2, TIMES.size))
+    each = (simulate(model, TIMES, begin) + own for begin, own in zip((0.1, 0.05), noise, strict=True))
+    columns = [TIMES, *(6000 * one for one in each)]
+    head = ",".join(["time (s)", *(f"Position ({unit}) Run #{k}" for k in (1, 2))])
+    path = tmp_path / "runs.csv"
+    np.savetxt(path, np.column_stack(columns), delimiter=",", header=head, comments="", fmt="%.5f")
+    found = (read(path, restoring="linear", column=name).swings[0] for name in head.split(",")[1:])
+    return [one.assign_attrs(recording=str(k)) for k, one in enumerate(found)]
+
+
+def test_runs_in_one_unit_of_length_are_one_pendulum(tmp_path):
+    given = _runs(tmp_path, "mm")
+    assert sharing(given) == ([0, 1], {})
+    whole = searchable("pendulum", given)
+    wide, narrow = sorted((one.amplitude for one in whole.whole), reverse=True)
+    assert whole.unit == "mm" and narrow == pytest.approx(wide / 2, rel=0.02)
+    assert whole.own.step * wide == pytest.approx(600, rel=0.05)  # mm
+    found = of_swings(given, ["viscous", "viscous+constant_coulomb"], restoring="linear")
+    together = found.fitted_model
+    for one in given:
+        alone = of_swings([one], ["viscous+constant_coulomb"], restoring="linear").fitted_model
+        friction = alone.values["constant_friction"] * one.attrs["own_step"]
+        assert together.values["constant_friction"] * whole.own.step == pytest.approx(friction, rel=0.05)
+    largest = [begin.angle for begin in found.begins.values()]
+    assert max(largest) == pytest.approx(2 * min(largest), rel=0.02)
+
+
+def test_runs_in_pixels_are_not(tmp_path):
+    """The camera may have stood elsewhere."""
+    assert sharing(_runs(tmp_path, "px"))[0] == []
 
 
 def test_arrays_without_a_unit_are_read_as_a_file_without_one(tmp_path):

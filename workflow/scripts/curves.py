@@ -11,7 +11,7 @@ from swingdown.errors import InputError
 from swingdown.language import language
 from swingdown.measurement.driven import CURVES, LAWS, check_free
 from swingdown.measurement.refused import used
-from swingdown.measurement.sharing import sharing
+from swingdown.measurement.sharing import in_one_step, sharing
 from swingdown.pendulum.catalogue import catalogue
 from swingdown.plots import absent, save
 from swingdown.plots.curves import backbone, envelopes
@@ -61,7 +61,7 @@ def against(given):
     check_free(given.angles, CURVES)
     found = [of_verdict(one, given.restoring, given.known) for one in given.verdicts]
     model, covariance = next(filter(None, found), None) or given.of_damping() or (None, None)
-    return curves_of(given.angles, model, covariance, given.restoring)
+    return curves_of(in_one_step(given.angles), model, covariance, given.restoring)
 
 
 def compared(given):

@@ -25,7 +25,7 @@ from ..errors import InputError, told_to
 from ..fitting.result import SwingFit
 from ..measurement.driven import driven
 from ..measurement.second_reading import may_be_read_once_more, readings
-from ..measurement.sharing import sharing
+from ..measurement.sharing import in_one_step, sharing
 from ..measurement.slack import of_angles
 from ..own_unit import own_of
 from ..pendulum.catalogue import catalogue
@@ -191,6 +191,7 @@ def _of_swings(
     checked: bool,
 ) -> Answer:
     """The ``Answer`` of ``of_swings`` on these recordings as they are; of several each that no model follows by its free stretch."""
+    given = in_one_step(given)
     known = with_drive(models(fitted or everyday(restoring), effects, restoring), given)
     drive = known[0].drive
     unit = "" if drive else unit_in_doubt(given, restoring)
@@ -410,6 +411,7 @@ def searchable(name: str, given: Sequence[xr.Dataset], doubt: str = "") -> Campa
     for why in sharing(given)[1].values():
         raise why
     driven(given)
+    given = in_one_step(given)
     return replace(
         campaign(name, [swing_of(one) for one in given]),
         slack=of_angles(given),

@@ -18,7 +18,7 @@ from ..fitting.slack import allowing, begun_with
 from ..measurement.driven import drive_of, driven
 from ..measurement.plausibility import in_step_and_steady, narrowing
 from ..measurement.points.points_recording import are_points
-from ..measurement.sharing import sharing
+from ..measurement.sharing import in_one_step, sharing
 from ..measurement.slack import of_angles
 from ..pendulum.model import Model, as_model
 from ..pendulum.slack import Slack
@@ -153,6 +153,7 @@ def fit_campaign(
         raise InputError(
             "campaign", "there is no swing to fit", "at least one", "add swings to the sample sheet"
         )
+    angles = in_one_step(angles)
     swings = [_swing(angle) for angle in angles]
     series = [
         swing_under(drive_of(angle), times, values)

@@ -16,6 +16,7 @@ from ...engine.trajectory import TrajectoryError
 from ...errors import InputError
 from ...measurement.driven import drive_of, driven
 from ...measurement.refused import refuse
+from ...measurement.sharing import in_one_step
 from ...measurement.slack import of_angles
 from ...own_unit import Own, own_of
 from ...pendulum.model import Model
@@ -55,14 +56,12 @@ def read_campaign(name: str, paths: Sequence[Path | str], roles: Sequence[str]) 
     """
     kinds: dict[str, list[Swing]] = {"fit": [], "holdout": [], "static": []}
     emulated, systematic = False, 0.0
-    read: list[xr.Dataset] = []
-    for path, role in zip(paths, roles, strict=True):
-        data = dataset.read(path)
+    read = in_one_step([dataset.read(path) for path in paths])
+    for data, role in zip(read, roles, strict=True):
         swing = swing_of(data)
         systematic = max(systematic, float(dataset.series_of(data, "systematic_uncertainty").max()))
         emulated |= str(data.attrs.get("emulated", "no")) == "yes"
         kinds[role or "fit"].append(swing)
-        read.append(data)
     driven(read)
     static = [swing.pair for swing in kinds["static"]]
     known = campaign(name, kinds["fit"], kinds["holdout"], static)
