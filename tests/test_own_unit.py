@@ -116,8 +116,21 @@ def test_the_unit_is_told_as_one_writes_it(tmp_path, head, unit):
     assert found.swings[0].attrs["own_unit"] == unit
 
 
-@pytest.mark.parametrize("head", ["a (m/s^2)", "F (N)", "velocity (m/s)"])
-def test_an_acceleration_a_force_and_a_speed_are_no_deflection_to_search_in(tmp_path, head):
+@pytest.mark.parametrize(("head", "unit"), [("a (m/s^2)", "m/s^2"), ("Linear acceleration y", "units")])
+def test_the_acceleration_of_a_mass_on_a_spring_swings_as_its_place(tmp_path, head, unit):
+    place, itself = (
+        read(_wheel(tmp_path, 20.0, one), restoring="linear", column=one) for one in ("y (px)", head)
+    )
+    assert itself.swings[0].attrs["own_unit"] == unit
+    assert searchable("spring", itself.swings).unit == unit
+    assert itself.fit().row["decay_time_s"] == pytest.approx(place.fit().row["decay_time_s"])
+    assert any("loss itself shows in it" in one for one in itself.remarks)
+    with pytest.raises(InputError, match="an acceleration.* is no angle"):
+        read(_wheel(tmp_path, 20.0, head), column=head)
+
+
+@pytest.mark.parametrize("head", ["F (N)", "velocity (m/s)"])
+def test_a_force_and_a_speed_are_no_deflection_to_search_in(tmp_path, head):
     found = read(_wheel(tmp_path, 20.0, head), restoring="linear", column=head)
     assert found.swings[0].attrs["mode"] == "unknown scale"
     assert "own_unit" not in found.swings[0].attrs

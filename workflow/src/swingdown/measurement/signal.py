@@ -12,7 +12,17 @@ from ..errors import InputError
 from ..own_unit import UNNAMED
 from .apparent_scale import apparent_scale
 from .choice import Chosen, widest
-from .files.columns import LENGTH, OF_ACCELERATIONS, OTHER, RATE, SPEED, UNTOLD, Meaning, place_of
+from .files.columns import (
+    LENGTH,
+    OF_ACCELERATIONS,
+    OTHER,
+    RATE,
+    SPEED,
+    UNTOLD,
+    Meaning,
+    accelerates,
+    place_of,
+)
 from .gyroscope import TO_RAD_PER_S, rate_unit, turning_most
 from .judge import Reading
 from .plausibility import EVEN_SIDES, check_once, evenness
@@ -38,6 +48,7 @@ UNIT_WORDS = {
 WIDE = 0.4  # rad; beyond it the sine of an angle dies away a twentieth more slowly than the angle does
 MOST_LOST = 0.2  # of the positions: a tracker that loses more follows no bob
 _NAMES = {"V": "V", "counts": "counts"}
+OF_A_MASS = "an acceleration, taken as the place of a mass on a spring: a loss itself shows in it, so that a structure as small as that may be none"
 RELATIVE = "relative"  # in the cell scale: nobody knows it
 _RAW = re.compile(
     r"(?i)\b(adc|raw|analog\w*|a0|sensor ?value|poti?|potentiometer|au|a\.u|arb|ch(annel)? ?\d+ ?v?)\b"
@@ -134,8 +145,10 @@ def signal_of(
     if first.kind == UNTOLD and not columns.unit and not row.get("scale"):
         check_once(values[taken], where)
     reading = _reading(row, columns, times, values[taken], restoring, where)
-    # a force or an acceleration has jumps where the friction of what swings has them, and a rate is no deflection
-    if restoring == "linear" and first.kind not in (OTHER, SPEED, RATE):
+    # a force may be another one than the spring's, and a rate is no deflection
+    if restoring == "linear" and accelerates(first):
+        told = [*told, OF_A_MASS]
+    if restoring == "linear" and (first.kind not in (OTHER, SPEED, RATE) or accelerates(first)):
         reading = replace(reading, own=_NAMES.get(columns.unit) or first.written or UNNAMED)
     return Interpreted(times, values[taken], reading, told, about, names[taken])
 

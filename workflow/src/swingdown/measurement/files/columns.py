@@ -284,7 +284,7 @@ def _swing(
     for wanted in _LIKELIEST:
         if found := next((one for one in others if wanted(one)), None):
             return [found]
-    first = next((one for one in others if not _accelerates(one)), first)  # a gyroscope beside tells more
+    first = next((one for one in others if not accelerates(one)), first)  # a gyroscope beside tells more
     return [_checked(first, others, place, "")]
 
 
@@ -345,7 +345,7 @@ def third(columns: Sequence[Meaning], beside: Meaning) -> Meaning | None:
     return None
 
 
-def _accelerates(one: Meaning) -> bool:
+def accelerates(one: Meaning) -> bool:
     """True of an acceleration, by its unit or, without one, by its name."""
     return one.written.lower() in _ACCELERATIONS or (
         not one.written and one.kind == OTHER and bool(_ACCELERATES.search(one.name.replace("_", " ")))
@@ -353,7 +353,7 @@ def _accelerates(one: Meaning) -> bool:
 
 
 def _saying(one: Meaning) -> str:
-    kind = "an acceleration" if _accelerates(one) else one.kind
+    kind = "an acceleration" if accelerates(one) else one.kind
     return f"{kind or 'a column'}" + (f" in {one.written!r}" if one.written else "")
 
 
@@ -375,7 +375,7 @@ def _checked(one: Meaning, others: list[Meaning], place: str, stated: str) -> Me
         ANGLE: "convert it to rad or deg",
         VOLTAGE: "convert it to V, rad or deg",
     }
-    if _accelerates(one):
+    if accelerates(one):
         mends[OTHER] = OF_ACCELERATIONS
     what = _saying(one)
     raise InputError(
