@@ -8,6 +8,7 @@ from swingdown.measurement.files.runs import SeveralRuns
 from swingdown.measurement.files.source import runs
 from swingdown.measurement.recording import ingest
 from swingdown.measurement.sheet import read_sheet
+from swingdown.planning import own
 
 SIZES = 600, 420, 510  # samples of three runs
 
@@ -133,3 +134,40 @@ def test_columns_of_one_run_are_one_recording(take, header):
     times, angle = THREE[0]
     made = take(text(header, times, angle, np.arange(times.size) / 1.5))
     assert made["signal"].values == pytest.approx(angle, abs=1e-6)
+
+
+def numbered(anew, numbers=(4, 5, 7), name="packet"):
+    """A file of the three runs below each other, with their numbers; the clock counts anew, or goes on half a minute later."""
+    lines, begins = [f"{name},time_ms,angle_rad"], 0.0
+    for run, number in enumerate(numbers):
+        times, angle = swing(run)
+        lines += [f"{number},{1e3 * (begins + t):.3f},{x:.6f}" for t, x in zip(times, angle, strict=True)]
+        begins += 0.0 if anew else times[-1] + 30
+    return "\n".join(lines) + "\n"
+
+
+@pytest.mark.parametrize("anew", [True, False])
+@pytest.mark.parametrize("name", ["packet", "Versuch"])
+def test_a_column_that_numbers_the_runs_parts_them(take, tmp_path, anew, name):
+    with pytest.raises(SeveralRuns, match=f"`{name}` numbers 3 runs in it") as told:
+        take(numbered(anew, name=name))
+    assert told.value.names == ("part 1", "part 2", "part 3")
+    for run in range(3):
+        part = take(numbered(anew, name=name), run=f"part {run + 1}")
+        np.testing.assert_allclose(part["signal"].values, swing(run)[1])
+        assert f"this is part {run + 1}" in part.attrs["remarks"]
+    (parts,) = [own.take(row, tmp_path / "swing.csv") for row in own.rows([tmp_path / "swing.csv"], tmp_path, False, {})]  # fmt: skip
+    assert len(parts) == 3 and not any(isinstance(one, own.Refused) for one in parts)
+
+
+def test_a_column_that_changes_while_the_clock_goes_on_numbers_no_runs(take):
+    whole = "\n".join(f"{k // 200},{t:.6f},{x:.6f}" for k, (t, x) in enumerate(zip(*swing(0), strict=True)))
+    assert take("state,time_s,angle_rad\n" + whole + "\n").sizes["time"] == SIZES[0]
+
+
+def test_a_part_that_hardly_moves_is_no_pendulum_at_rest_beside_another(tmp_path):
+    (times, wide), (later, narrow) = swing(0), swing(1)
+    lines = [f"{t:.4f},{x:.6f}" for t, x in [*zip(times, wide, strict=True), *zip(later, narrow / 25, strict=True)]]  # fmt: skip
+    (tmp_path / "a.csv").write_text("time_s,angle_rad\n" + "\n".join(lines) + "\n")
+    (row,) = own.rows([tmp_path / "a.csv"], tmp_path, False, {})
+    assert not any(isinstance(one, own.Refused) for one in own.take(row, tmp_path / "a.csv"))

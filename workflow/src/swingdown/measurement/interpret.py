@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -33,7 +34,7 @@ from .files.table import Table, apart, first_rows
 from .positions import check_no_positions
 from .refused import WHICH_COLUMN
 from .signal import Interpreted, signal_of
-from .swings.clock import counts_rows, counts_ticks, in_order, parts
+from .swings.clock import RESTART, counts_rows, counts_ticks, in_order, parts
 from .units import A_DAY, time_factor
 
 TWICE = 0.2  # by which the ratio of two periods may be off 2
@@ -81,10 +82,12 @@ def interpret(table: Table, row: Mapping[str, Any], place: str, restoring: str) 
     where = f"{row['file']}, {place_of(columns.clock.name)} ({place})"
     read = [*names, *drives]
     table, row, found = _with_window(table, row, columns, where)
+    table, numbering = _numbering(table, columns.clock.name, read)
     times, values, told = series(
-        table, row, columns.clock.name, read, columns.time_unit or "s", beside + alike
+        table, row, columns.clock.name, read, columns.time_unit or "s", [*beside, *alike, *numbering]
     )
-    piece, chosen = _part(times, row, where)
+    numbers = values.pop() if numbering else np.zeros(len(times))
+    piece, chosen = _part(times, numbers, numbering, row, where)
     times, values, told = times[piece], [one[piece] for one in values], told + chosen
     if len(times) < SHORTEST:
         raise InputError(
@@ -147,18 +150,43 @@ def _written(table: Table, column: str) -> str:
     return (found.unit or found.written).replace("²", "^2").replace("s2", "s^2")
 
 
-def _part(times: Floats, row: Mapping[str, Any], where: str) -> tuple[slice, list[str]]:
-    """The piece of a recording whose clock counts anew that the sheet's cell ``run`` names; SeveralRuns where it names none."""
-    pieces = parts(times)
+def _numbering(table: Table, clock: str, read: list[str]) -> tuple[Table, list[str]]:
+    """The table, and the column that numbers the runs in it, where there is one: it holds one number while the clock goes on, and a larger
+    one where that counts anew or goes on much later."""
+    others = [name for name in table.names if name not in (clock, *read)]
+    table, held = first_rows(table, LOOKED_AT) if others else (table, [])
+    if sum(map(len, held)) < 2 * SHORTEST:
+        return table, []
+    steps = np.diff(np.concatenate([table.numbers(rows, clock) for rows in held]))
+    back = steps < 0
+    breaks = back | (steps > RESTART * np.nanmedian(steps))
+    for name in others:
+        rises = np.diff(np.concatenate([table.numbers(rows, name) for rows in held]))
+        new = rises != 0  # NaN too, which is no rise
+        runs = np.diff(np.flatnonzero(new), prepend=-1, append=len(new))
+        if new.any() and (rises[new] > 0).all() and breaks[new].all() and not back[~new].any():
+            return table, [name] if runs.min() >= SHORTEST else []
+    return table, []
+
+
+def _part(
+    times: Floats, numbers: Floats, numbering: list[str], row: Mapping[str, Any], where: str
+) -> tuple[slice, list[str]]:
+    """The piece of a recording whose clock counts anew, or of which each run has one of the ``numbers``, that the sheet's cell ``run`` names;
+    SeveralRuns where it names none."""
+    edges = [0, *(np.flatnonzero(np.diff(numbers)) + 1), len(times)]
+    pieces = [slice(a, b) for a, b in pairwise(edges)] if len(edges) > 2 else parts(times)
     if len(pieces) == 1:
         return slice(None), []
+    at = pieces[1].start
+    if len(edges) > 2:
+        told = why = f"`{numbering[0]}` numbers {len(pieces)} runs in it"
+    else:
+        told = f"the clock counts anew {len(pieces) - 1} times in it"
+        why = f"the clock jumps back from {moment(times[at - 1])} to {moment(times[at])} s and counts anew, so that the file holds {{}} parts"
     number = clock_part(str(row.get("run", "")))
     if 0 < number <= len(pieces):
-        return pieces[number - 1], [
-            f"the clock counts anew {len(pieces) - 1} times in it: this is part {number}"
-        ]
-    at = pieces[1].start
-    why = f"the clock jumps back from {moment(times[at - 1])} to {moment(times[at])} s and counts anew, so that the file holds {{}} parts"
+        return pieces[number - 1], [f"{told}: this is part {number}"]
     raise several_runs(tuple(f"part {k}" for k in range(1, len(pieces) + 1)), row, where, why)
 
 

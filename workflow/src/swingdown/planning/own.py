@@ -18,7 +18,7 @@ from ..language import ENGLISH
 from ..measurement.angle import to_angle
 from ..measurement.files.archive import SeveralFiles
 from ..measurement.files.programs import CLOSED, READERS
-from ..measurement.files.runs import SeveralRuns
+from ..measurement.files.runs import SeveralRuns, clock_part
 from ..measurement.files.source import NETCDF
 from ..measurement.recording import ingest
 from ..measurement.refused import NOT_LOOKED_AT, WHICH_COLUMN, place_in
@@ -220,8 +220,15 @@ def _asked_alike(parts: list[Taken | Refused]) -> list[Taken | Refused]:
 
 
 def _without_rest(parts: list[Taken | Refused], path: Path) -> list[Taken | Refused]:
-    """The parts of a file, those refused that hardly move beside another in the same unit: as a pendulum at rest beside one that swings."""
-    runs = {k: one for k, one in enumerate(parts) if isinstance(one, Taken) and "run" in one.row}
+    """The parts of a file, those refused that hardly move beside another in the same unit: as a pendulum at rest beside one that swings.
+
+    Parts that follow each other are no such ones.
+    """
+    runs = {
+        k: one
+        for k, one in enumerate(parts)
+        if isinstance(one, Taken) and "run" in one.row and not clock_part(str(one.row["run"]))
+    }
     signals = {k: one.recording["signal"] for k, one in runs.items()}
     sizes = {k: float(np.ptp(signal.values)) for k, signal in signals.items()}
     found = list(parts)
