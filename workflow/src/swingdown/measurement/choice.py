@@ -162,7 +162,9 @@ def _noise(table: Table, row: Mapping[str, Any], values: Mapping[str, Floats]) -
     swinging = _swinging(times, {name: one for name, one in looked.items() if not goes_on(one)})
     if len(swinging) != 1:
         return []
-    lag = max(1, round(FORGETS * half_swings(looked[swinging[0]]).period(times[swinging[0]])))
+    swing = looked[swinging[0]]
+    known_at = np.flatnonzero(np.isfinite(swing))
+    lag = max(1, round(FORGETS * half_swings(swing[known_at]).period(known_at.astype(float))))
     noisy = [name for name, one in looked.items() if name not in swinging and _forgets(one, lag)]
     return noisy if first.name in noisy else []
 
