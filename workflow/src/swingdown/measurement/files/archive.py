@@ -17,7 +17,7 @@ FEWEST_ROWS = 10  # of numbers in a sheet that holds a recording
 _NUMBER = re.compile(rb"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
 LARGEST = 500_000_000  # bytes, unpacked: a workbook is held whole
 TEXT = (".csv", ".txt", ".tsv", ".dat")
-OTHERS = (".xlsx", ".xls", ".ods", ".trk", ".trz", ".labx", ".cmbl", ".mat")  # that may be in a zip archive
+OTHERS = (".xlsx", ".xls", ".ods", ".trk", ".trz", ".labx", ".lab", ".cmbl", ".mat")  # in a zip archive
 UNPACK = "unpack the archive and name the file in it"
 
 

@@ -1,13 +1,51 @@
-"""Measurements of CASSY Lab 2 (LD Didactic), ``.labx``: its channels, run by run."""
+"""Measurements of CASSY Lab (LD Didactic): the channels of ``.labx``, run by run, and the table of ``.lab``."""
 
+import itertools
+import re
 from typing import BinaryIO
 from xml.etree.ElementTree import Element
 
+import pandas as pd
+
 from ...errors import InputError
 from .columns import TIME, meaning
-from .elements import Columns, number, of_elements, roots, text_in
+from .elements import Columns, distinct, number, of_elements, roots, text_in
 
 PROGRAM = "CASSY Lab"
+_RANGE = re.compile(r"([-+\d.E]+ ){12,}[-+\d.E]+ ?")  # of a quantity, and how it is shown
+_NUMBERS = re.compile(r"[-+\d.E ]*\d[-+\d.E ]*")
+_OWN = 3  # quantities that each file names first: the row's number, the time, the frequency of a spectrum
+
+
+def table(source: BinaryIO, name: str) -> dict[str, Columns]:
+    """The Columns of the table in a file of CASSY Lab 1; none of another file that ends in ``.lab``, and InputError for one without rows.
+
+    Each quantity stands in four lines: its name, symbol, unit and range. Below all of them the rows hold them in this order, but for the
+    frequency, which a spectrum below has.
+    """
+    if not re.match(rb"CL\d+\r?\n", source.read(8)):
+        source.seek(0)
+        return {}
+    lines = [line.strip("\r\n") for line in source.read().decode("latin-1").split("\n")]
+    first = next((k for k, line in enumerate(lines) if "\t" in line), 0)
+    head = lines[:first]
+    told = [
+        four[:3]
+        for four in zip(head, head[1:], head[2:], head[3:], strict=False)
+        if _RANGE.fullmatch(four[3]) and not any(map(_NUMBERS.fullmatch, four[:3]))
+    ]
+    rows = itertools.takewhile(lambda line: "\t" in line, lines[first:])
+    cells = list(zip(*(line.split("\t")[:-1] for line in rows), strict=False))
+    read = dict(zip(told[: _OWN - 1] + told[_OWN:], cells, strict=False))
+    kept = list(read)[1:]
+    if len(kept) < 2:
+        raise InputError(
+            name, "it holds no quantity beside the time", "a measurement of CASSY Lab against time", "export the table there, as text"
+        )  # fmt: skip
+    names = distinct([one[0] for one in kept], [one[1] for one in kept])
+    frame = pd.DataFrame({key: map(number, read[one]) for key, one in zip(names, kept, strict=True)})
+    units = {key: one[2] for key, one in zip(names, kept, strict=True) if one[2]}
+    return {"": Columns(frame, "quantities of CASSY Lab", units, {"source": PROGRAM})}
 
 
 def measurements(source: BinaryIO, name: str) -> dict[str, Columns]:

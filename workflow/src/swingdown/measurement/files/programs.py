@@ -5,7 +5,7 @@ from pathlib import PurePath
 from typing import BinaryIO
 
 from ...errors import InputError
-from .cassy import measurements
+from .cassy import measurements, table
 from .elements import Columns
 from .matlab import arrays
 from .saved_arrays import saved_arrays
@@ -22,7 +22,7 @@ def _film(source: BinaryIO, name: str) -> dict[str, Columns]:
 
 
 READERS: Mapping[str, Callable[[BinaryIO, str], dict[str, Columns]]] = {
-    ".trk": tracks, ".trz": tracks, ".labx": measurements, ".cmbl": data_sets, ".mat": arrays,
+    ".trk": tracks, ".trz": tracks, ".labx": measurements, ".lab": table, ".cmbl": data_sets, ".mat": arrays,
     ".npy": saved_arrays, ".npz": saved_arrays, ".json": saved_arrays,
     **dict.fromkeys(FILMS, _film),
 }  # fmt: skip
