@@ -27,12 +27,13 @@ NOISE = Noise(1e-3)  # rad
 VALUES = {"natural_frequency": 7.0, "viscous_ratio": 0.008}
 
 
-def swings(releases, hidden="cubic_stiffness", seed=1, **values):
-    """A campaign of a pendulum with viscous drag and one effect more."""
+def swings(releases, *hidden, seed=1, **values):
+    """A campaign of a pendulum with viscous drag and these effects more (default: a cubic spring)."""
+    hidden = hidden or ("cubic_stiffness",)
     rng = np.random.default_rng(seed)
     made = []
     for angle in releases:
-        reading = trajectory(("viscous", hidden), VALUES | values, TIMES, angle).reading
+        reading = trajectory(("viscous", *hidden), VALUES | values, TIMES, angle).reading
         made.append(Swing(f"{angle}", TIMES, reading + NOISE.deviation * rng.standard_normal(TIMES.size)))
     return campaign("springs", made)
 
@@ -245,6 +246,20 @@ def test_what_the_catalogue_lacks_has_no_name():
     assert found["nothing"] < 0.01
     assert last.unnamed > NOISE.deviation
     assert "has no name in the catalogue" in found["sentence"]
+
+
+def test_what_something_unnamed_does_as_well_is_told_as_possible():
+    """A wrong zero beside a little of a buffer: nearly all of what is missing is the zero, which an unnamed torque does as well."""
+    little = {"stop_stiffness": 0.15, "stop_from": 0.25}
+    one = swings((0.9, -0.7, 0.5, 0.35, -0.25), "sensor_zero", "soft_stop", sensor_zero=0.006, **little)
+    found, last = told(one)
+    assert (found["status"], found["effects"]) == ("unknown", [])
+    (possible,) = found["stand_ins"]
+    assert "sensor_zero" in (possible["name"], *possible["tied_with"])
+    assert 0.05 < possible["probability"] < 0.95
+    assert "something that has no name may do as well" in found["sentence"]
+    assert "has no name in the catalogue" not in found["sentence"]
+    assert found["gap"]["holdout"][-1] < 0.3 * found["gap"]["holdout"][0]
 
 
 def test_what_took_the_place_of_an_effect_of_the_base_is_held_against_that_one():

@@ -21,6 +21,7 @@ class Doubt(StrEnum):
 
     NO_MODEL = "no model without it can be fitted"
     IMPROBABLE = "its probability is only {probability:.2f}"
+    AS_WELL = "its probability is only {probability:.2f}: something that has no name may do as well"
     IDLE = "without it nothing is missing"
     REMAINS = "{share:.0%} of what is missing remains with it"
     NOT_ASKED = "swings that were held out leave too little without it to confirm it"

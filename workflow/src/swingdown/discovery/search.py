@@ -27,7 +27,7 @@ from ..studies.scale import scale_of
 from .budget import Budget
 from .criterion import USUAL, Criterion
 from .data.campaign import Campaign
-from .judge.findings import told_of
+from .judge.findings import stand_in, told_of
 from .judge.structures import Key, Structure
 from .move.candidates import without
 from .move.evidence import Candidate
@@ -135,6 +135,8 @@ class _Search:
     def told(self, way: list[Structure]) -> list[Round]:
         """The rounds of the way, the last with what is judged."""
         pool, way = self.pool, self._followed(way)
+        if not pool.added(way[-1].key) and pool.lacks(way[-1]):
+            way = [*way, *stand_in(pool)]
         last, found = told_of(pool, way[-1])
         way = way if last.key == way[-1].key else [way[0], *way[1:-1], last]
         sure = any(one.sure for one in found.values())

@@ -110,6 +110,17 @@ def told_of(pool: Pool, best: Structure) -> tuple[Structure, dict[str, Finding]]
     return (here, found) if any(one.sure for one in found.values()) else (best, whole)
 
 
+def stand_in(pool: Pool) -> list[Structure]:
+    """The most probable structure that adds something, where something unnamed does as well or better: if each of its effects is possible, and
+    takes away enough of what is missing; else none."""
+    named = [one for one in pool.known.values() if pool.added(one.key) and pool.follows(one.fit)]
+    best = sorted(named, key=lambda one: -one.evidence)[:1]
+    found = [finding for one in best for finding in judged(pool, one).values()]
+    bounds = [pool.criterion.over_bounds((one.share, one.held_out)) for one in found]
+    possible = all(one.probability >= pool.criterion.possible for one in found)
+    return best if possible and max(bounds, default=0.0) <= 1 else []
+
+
 def _fewer(pool: Pool, here: Structure, names: Sequence[str]) -> Structure | None:
     """The most probable structure without the first of these effects that can be left out; None where none can, or nothing is added then."""
     without = (one for name in names for one in pool.lacking(here, [name])[:1])
@@ -216,6 +227,8 @@ def _asked(pool: Pool, best: Structure, name: str, names: Sequence[str], one: Fi
     if pool.criterion.over_bounds((share, held)) > 1 and damps:
         share, held = min((share, held), _of_friction(pool, best, without), key=pool.criterion.over_bounds)
     why = pool.criterion.doubt(one.probability, share, held)
+    if why is Doubt.IMPROBABLE and not pool.added(pool.best.key):
+        why = Doubt.AS_WELL
     law_open = one.law_open or (why is None and damps and pool.loses_more(best))
     return replace(one, share=share, held_out=held, without=rms, doubt=why, law_open=law_open)
 
