@@ -3,7 +3,8 @@
 A mutant is a copy of the package in which one comparison, sign, number or condition of a module is another. The closest tests are the
 files of its room that are named after the module; else those of its room that import it; else those of other rooms that do, and those
 of its room that are closest to the modules that do. A mutant that leaves them green survives: either a test lacks an assertion,
-or the change changes nothing that a user would notice. It exits with the share that survives above a tenth. ``list`` shows them untried.
+or the change changes nothing that a user would notice. What survives is tried by the frozen answers and verdicts as well, which are the
+package's as a whole. It exits with the share that survives above a tenth. ``list`` shows them untried.
 """
 
 import ast
@@ -21,6 +22,7 @@ from swingdown.planning.sources import imported
 ROOT = Path(__file__).resolve().parents[2]
 SOURCE = ROOT / "workflow/src"
 LEFT_OUT = ("__init__", "__main__")
+WHOLE = [ROOT / "tests" / path for path in ("answer/test_frozen_answers.py", "discovery/test_frozen.py")]
 _GREEN = (0, 5)  # codes of pytest: all passed, or none were to run
 LONGEST = 900  # s that the tests of a mutant may take; one that never ends is noticed
 OTHER = {
@@ -135,7 +137,7 @@ def told(module, whole, mutant):
 
 
 def main(seed, count=12, each=3, how=""):
-    survived, total = 0, 0
+    survived, frozen, total = 0, 0, 0
     with tempfile.TemporaryDirectory() as place:
         copy = copied(Path(place))
         for module, whole, mutants in drawn(seed, count, each):
@@ -152,12 +154,12 @@ def main(seed, count=12, each=3, how=""):
             for start, end, other in mutants:
                 target.write_bytes(whole[:start] + other.encode() + whole[end:])
                 seen = noticed(copy, tests)
+                later = not seen and noticed(copy, WHOLE)
                 target.write_bytes(whole)
-                survived, total = survived + (not seen), total + 1
-                print(
-                    "noticed " if seen else "SURVIVES", told(module, whole, (start, end, other)), flush=True
-                )
-    print(f"{survived} of {total} survive")
+                survived, frozen, total = survived + (not seen), frozen + later, total + 1
+                word = "noticed " if seen else "frozen  " if later else "SURVIVES"
+                print(word, told(module, whole, (start, end, other)), flush=True)
+    print(f"{survived} of {total} survive their closest tests, {survived - frozen} what is frozen as well")
     return survived > total / 10
 
 

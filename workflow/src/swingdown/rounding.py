@@ -12,6 +12,11 @@ _SMALLEST = -4  # power of ten of the larger of the two below which, and ...
 _COARSEST = 2  # ... of the last digit shown above which a power of ten reads better
 
 
+def again(times: int) -> str:
+    """How often something happened besides, to follow what says when it did; empty where it did not."""
+    return "" if times == 0 else " and once more" if times == 1 else f" and {times} times more"
+
+
 def moment(time: float, digits: int = 6) -> str:
     """A time (s) as a message has it and an option takes it: to so many digits, of a clock that counts since 1970 to a millisecond."""
     if abs(time) < 10.0 ** (digits - 1):

@@ -3,7 +3,7 @@
 import numpy as np
 import numpy.typing as npt
 
-from ..rounding import value_with_uncertainty
+from ..rounding import again, value_with_uncertainty
 from . import clocks
 
 # part; with an interval that far from 1/rate_hz, times alone do not tell how many samples are lost
@@ -78,8 +78,7 @@ def _stalled(recorder, compared):
         f"{'stood still for' if one.seconds > 0 else 'jumped ahead by'} {abs(one.seconds):.2f} s at about {_when(recorder, compared, one.at):.1f} s"
         for one in compared.stalls[:_LISTED]
     ]
-    more = len(compared.stalls) - len(told)
-    return f"the device's clock {', '.join(told)}{f' and {more} times more' if more else ''}, by the host's"
+    return f"the device's clock {', '.join(told)}{again(len(compared.stalls) - len(told))}, by the host's"
 
 
 def _wandered(recorder, compared):

@@ -8,6 +8,7 @@ from ..arrays import Floats
 from ..calmed import calmed
 from ..errors import InputError
 from ..pendulum.half_swings import half_swings
+from ..rounding import again
 from .apparent_scale import RELATIVE, apparent_scale
 from .gyroscope import TO_RAD_PER_S, check_rate
 from .plausibility import check_shrinks, drift, hanging
@@ -144,7 +145,7 @@ def _in_step(window: Window, times: Floats, signal: Floats) -> Window:
     if not slips:
         return window
     begins, ends = longest_between(slips, times[part], signal[part])
-    at = f"from {slips[0][0]:.2f} to {slips[0][1]:.2f} s" + (f" and {len(slips) - 1} times more" if len(slips) > 1 else "")  # fmt: skip
+    at = f"from {slips[0][0]:.2f} to {slips[0][1]:.2f} s" + again(len(slips) - 1)
     why = (
         f"THE SWING IS OUT OF STEP {at}, as where samples are lost, a tracker follows something else, or somebody touches the pendulum: "
         "the longest part beside that is used"

@@ -6,7 +6,7 @@ from ...arrays import Bools, Floats
 from ...errors import InputError
 from ...pendulum.half_swings import half_swings, passages
 from ...quantisation import quantisation_step
-from ...rounding import moment
+from ...rounding import again, moment
 from .clock import UNEVEN
 from .even import evenly
 from .gaps import missing_samples
@@ -77,8 +77,7 @@ def _out_of_step(times: Floats, signal: Floats) -> Floats:
 
 
 def _told(what: str, times: Floats) -> str:
-    more = f" and {len(times) - 1} times more" if len(times) > 1 else ""
-    return f"{what} at {moment(times[0])} s{more}"
+    return f"{what} at {moment(times[0])} s{again(len(times) - 1)}"
 
 
 def _places(signal: Floats, weights: Floats, period: float, unknown: Bools) -> list[int]:
