@@ -1,13 +1,14 @@
 """Campaigns of designs drawn at random through the search: how each ends, what it names, how long it takes.
 
     .venv/bin/python tests/benchmarks/designs.py SEED COUNT [--first K] [--kinds null,single,removed,foreign,pair] [--swings N] [--rate R]
-        [--seconds S] [--samples N] [--no-friction] [--noise slow]
+        [--seconds S] [--samples N] [--no-friction] [--noise slow] [--misfits 0.5,1,2] [--usual]
 
 Campaign K of a seed is always the same: so many swings of so many seconds at so many samples a second, up to an angle between 5 and 90 degrees, under
 a weight or a spring, read as an angle or a rate, under white, coloured or stepped noise; half of them with a misfit that has no name.
 The search begins with what damps the pendulum, or with a base that is too rich, too poor, or the default one. A line is printed for each
 campaign, and at the end how often each kind ended in which way. Without friction viscous drag alone damps the pendulums, so that what rubs is
-nothing that the search begins with. All noise may be of one kind: slow noise forgets in a fifth of a second.
+nothing that the search begins with. All noise may be of one kind: slow noise forgets in a fifth of a second. ``--misfits`` are those drawn from, in
+units of the noise; ``--usual`` is the design of ``snakemake hidden_effects``, its own base included.
 """
 
 import argparse
@@ -55,7 +56,18 @@ class Asked(NamedTuple):
     base: str
 
 
-def asked(seed, number, kinds=KINDS, swings=SWINGS, rates=RATES, longest=SECONDS[1], most=MOST, rubs=True):
+def asked(
+    seed,
+    number,
+    kinds=KINDS,
+    swings=SWINGS,
+    rates=RATES,
+    longest=SECONDS[1],
+    most=MOST,
+    rubs=True,
+    misfits=MISFITS,
+    usual=False,
+):
     """The ``Asked`` of a seed and a number."""
     rng = np.random.default_rng([seed, number])
     while True:
@@ -71,6 +83,7 @@ def asked(seed, number, kinds=KINDS, swings=SWINGS, rates=RATES, longest=SECONDS
         count, seconds, rate, smallest, (largest, largest), str(rng.choice(["sine", "sine", "linear"])),
         str(rng.choice(["angle"] * 4 + ["rate"])), rubs,
     )  # fmt: skip
+    design = trials.USUAL if usual else design
     kind = str(rng.choice(kinds))
     names = trials.hideable(SHIPPED, design)
     among = {"null": [()], "foreign": [(name,) for name in FOREIGN]}.get(kind, [(name,) for name in names])
@@ -79,7 +92,7 @@ def asked(seed, number, kinds=KINDS, swings=SWINGS, rates=RATES, longest=SECONDS
     hidden = among[int(rng.integers(len(among)))]
     ratio = 1.0 if kind == "null" else float(rng.choice(RATIOS))
     planned = Planned(kind, hidden, ratio, str(rng.choice(trials.NOISES)), 4 * number)
-    return Asked(design, planned, float(rng.choice(MISFITS)), str(rng.choice(BASES)))
+    return Asked(design, planned, float(rng.choice(misfits)), "own" if usual else str(rng.choice(BASES)))
 
 
 def begun(one):
@@ -125,13 +138,16 @@ def main(argv=None):
     parser.add_argument("--seconds", type=float, default=SECONDS[1], help="of the longest swing")
     parser.add_argument("--samples", type=int, default=MOST, help="the most of a campaign")
     parser.add_argument("--no-friction", action="store_true")
+    parser.add_argument("--misfits", default=",".join(map(str, MISFITS)))
+    parser.add_argument("--usual", action="store_true")
     parser.add_argument("--noise", choices=(*trials.NOISES, "slow"))
     given = parser.parse_args(argv)
     swings, rates = (given.swings,) if given.swings else SWINGS, (given.rate,) if given.rate else RATES
     ends, spent = Counter(), []
     for number in range(given.first, given.first + given.count):
         one = asked(
-            given.seed, number, given.kinds.split(","), swings, rates, given.seconds, given.samples, not given.no_friction
+            given.seed, number, given.kinds.split(","), swings, rates, given.seconds, given.samples, not given.no_friction,
+            [float(one) for one in given.misfits.split(",")], given.usual,
         )  # fmt: skip
         if given.noise:
             one = one._replace(planned=one.planned._replace(noise=given.noise))

@@ -1,11 +1,11 @@
 """What is told of real pendulums of others of which it is known what is there, as a table.
 
-    .venv/bin/python tests/benchmarks/labelled/labelled.py FOLDER --split learn|apart [--mirrors FOLDER] [--data FOLDER]
+    .venv/bin/python tests/benchmarks/labelled/labelled.py FOLDER --split learn|apart|fresh [--mirrors FOLDER] [--data FOLDER]
         [--only TEXT] [--budget SECONDS] [--again] [--out docs/labelled.csv] [--pickles FOLDER]
 
 campaigns.csv has a row for each recording. Those of one ``campaign`` are one; ``base`` and ``restoring`` are what the search begins
 with, ``label`` is what is known to be there and not in the base (``|`` between those that a person cannot tell apart), ``source`` says
-whence. ``split`` is ``learn`` where the search was made beside it, and ``apart`` where it was searched once, when that was done: other
+whence. ``split`` is ``learn`` where the search was made beside it, and ``apart`` or ``fresh`` where it was searched once, when that was done: other
 apparatuses, taken by what they are before any was searched.
 
 FOLDER is filled as corpus/fetch.py fills its own. Recordings without a commit were prepared by others and lie in the folder that
@@ -38,7 +38,7 @@ LIST = Path(__file__).with_name("campaigns.csv")
 # columns that are arguments of swingdown.read
 TOLD = ("column", "run", "unit", "rate", "scale", "start", "stop")
 COLUMNS = ("campaign", "half", "base", "known", "asserted", "status", "told", "held out, times the noise", "CPU (s)")  # fmt: skip
-HALVES = {"learn": "open", "apart": "searched once"}
+HALVES = {"learn": "open", "apart": "searched once", "fresh": "fresh"}
 AGAIN = "again"  # what was searched once, by another search than that was
 
 
@@ -141,7 +141,7 @@ def main(argv=None):
     """The table printed, line by line, and how many of campaigns and apparatuses are told right, and wrong."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folder", type=Path)
-    parser.add_argument("--split", choices=["learn", "apart"], required=True)
+    parser.add_argument("--split", choices=[*HALVES], required=True)
     parser.add_argument("--mirrors")
     parser.add_argument("--data", type=Path, help="folder of the recordings that others prepared")
     parser.add_argument(

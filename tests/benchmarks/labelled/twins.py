@@ -1,6 +1,6 @@
 """Whether recordings of others could tell what is known to be there: their twins, which have that and nothing else, searched alike.
 
-    .venv/bin/python tests/benchmarks/labelled/twins.py FOLDER --split learn|apart [--data FOLDER] [--only TEXT] [--draws 5]
+    .venv/bin/python tests/benchmarks/labelled/twins.py FOLDER --split learn|apart|fresh [--data FOLDER] [--only TEXT] [--draws 5]
         [--budget SECONDS] [--told nothing] [--table docs/labelled.csv]
 
 FOLDER is as labelled.py filled it, ``--data`` and ``--only`` are as there. A twin is the best fit of what is known to the whole campaign, at the same times, under noise
@@ -55,7 +55,7 @@ def main(argv=None):
     """A line for each campaign: of how many twins what is known is told, nothing, another; and of how many campaigns it is told of most."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folder", type=Path)
-    parser.add_argument("--split", choices=["learn", "apart"], required=True)
+    parser.add_argument("--split", choices=[*labelled.HALVES], required=True)
     parser.add_argument("--data", type=Path, default=Path())
     parser.add_argument("--only", nargs="*", default=[""])
     parser.add_argument("--draws", type=int, default=5)

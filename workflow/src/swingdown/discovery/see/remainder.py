@@ -18,12 +18,6 @@ from .linear import Frame
 
 MAP = ["angle_rad", "speed_rad_per_s", "torque", "band", "known", "seen"]
 COURSE = ["swing", "time_s", "torque", "band"]
-SHAPES = {
-    "position": "the angle alone",
-    "velocity": "the speed alone",
-    "sum": "angle and speed, one added to the other",
-    "map": "angle and speed together",
-}
 _ANGLES, _SPEEDS = 11, 6  # nodes of the map: angles, and speeds to either side
 _SMOOTH = 0.35  # of the largest angle and speed: how far neighbouring torques hang together
 _IMITATED = 0.02  # of a torque's work: one that leaves less beyond the fit is the fit's own
@@ -34,7 +28,8 @@ _MEMORY = 1 / 8  # of a period: how long a torque in time hangs together
 @dataclass(frozen=True)
 class Remainder:
     """What a fit leaves: ``map``, a table of ``MAP`` (rad, rad/s, torque and its standard error in rad/s^2, how much of it
-    the data determine, 0 to 1, and the share of the time spent around there), the share of the excess over the noise that each of ``SHAPES`` explains, and ``course``, a table of
+    the data determine, 0 to 1, and the share of the time spent around there), the share of the excess over the noise that a torque over the
+    angle alone (``position``), the speed alone (``velocity``), one added to the other (``sum``) and both together (``map``) explains, and ``course``, a table of
     ``COURSE`` (s, torque and standard error in rad/s^2) for the fitted swings. ``torque`` (rad/s^2) is the size of the torque in
     time that is most likely, and ``gain`` its log-likelihood above that of none."""
 
