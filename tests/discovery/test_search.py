@@ -135,6 +135,19 @@ def test_the_rounds_lead_on_from_one_another_and_the_last_is_judged(two):
     assert states[-1].probabilities["quadratic_drag"] > 0.9
 
 
+def test_where_doubt_leads_back_to_the_base_the_rounds_begin_there(two, monkeypatch):
+    def doubted(search, last):
+        search.pool.known[search.pool.base] = replace(search.pool.first, unnamed=1e9)
+
+    monkeypatch.setattr("swingdown.discovery.search._Search._doubt", doubted)
+    allowed = ("quadratic_drag", "quadratic_stiffness")
+    states = discover(two, "viscous", rounds=3, allowed=allowed)
+    assert states[0].found == ()
+    assert (
+        verdict([summary(state, two) for state in states], states[0].model.catalogue)["status"] == "unknown"
+    )
+
+
 def test_swings_that_are_held_out_choose_nothing(two):
     """What they hold is asked once, at the end: with other ones the way is the same."""
     first, second = two.holdout[0], replace(two.holdout[0], angle=two.holdout[0].angle[::-1].copy())

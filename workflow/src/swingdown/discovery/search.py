@@ -126,7 +126,8 @@ class _Search:
             best = self._settled()
             if best.key == way[-1].key:
                 break
-            way = [*(one for one in way if one.key != best.key), best]
+            before = way[:1] if best.key == self.pool.base else way
+            way = [*(one for one in before if one.key != best.key), best]
         if self.pool.nothing() > self.pool.criterion.possible:
             way = [self.pool.first, *(one for one in self.pool.bases[:1] if one.key != self.pool.first.key)]
         way = [self.pool.known[one.key] for one in way if one.key in self.pool.known]
