@@ -187,14 +187,19 @@ def test_g_of_a_few_has_its_budget_and_of_many_is_one_table():
     ("figure", "changed", "told"),
     [
         ("difference", {}, False), ("difference", {"difference": {"quantity": "area"}}, True), ("remainder", {}, False),
-        ("remainder", {"status": "partial"}, True), ("remainder", {"status": "unknown"}, True), ("map", {}, False),
+        ("remainder", {"where": {"groups": {}, "remaining": {"time": {}}}}, True), ("remainder", {"status": "unknown"}, False), ("map", {}, False),
         ("map", {"where": {"groups": {"speed": 1}}}, True), ("ranking", {"where": {"groups": {"speed": 1}}}, True),
         ("half_swings", {}, True), ("half_swings", {"driven": True}, False), ("gap", {}, False),
         ("gap", {"gap": {"fit": [2.0, 1.0]}}, True), ("gap", {"gap": {"fit": [2.0, 1.0]}, "dies_away": False}, False),
     ],
 )  # fmt: skip
 def test_a_figure_is_shown_where_it_tells_something(figure, changed, told):
-    found = {"status": "named", "where": {"groups": {}}, "gap": {"fit": [1.0]}, "difference": None}
+    found = {
+        "status": "named",
+        "where": {"groups": {}, "remaining": {}},
+        "gap": {"fit": [1.0]},
+        "difference": None,
+    }
     assert missing.tells(figure, found | changed) is told
 
 

@@ -7,7 +7,6 @@ from markupsafe import Markup
 
 from ...discovery.tell.sentence import rivals
 from ...pendulum.model import model_words
-from ...status import REMAINING
 from .. import numbers
 from ..material import Material
 from ..page import Column, Figure, Item, Section, Table, Text, cells
@@ -31,7 +30,7 @@ def tells(figure: str, found: dict[str, Any] | Mapping[str, Any]) -> bool:
     if figure == "difference":
         return bool(found.get("difference"))
     if figure == "remainder":
-        return found["status"] in REMAINING
+        return bool(found["where"]["remaining"])
     if figure in ("map", "ranking"):
         return bool(found["where"]["groups"])
     if figure == "half_swings":
