@@ -66,6 +66,6 @@ def _alone(angle: xr.Dataset) -> InputError | None:
     if own_of(angle.attrs) is None and angle.attrs.get("mode") == UNSCALED:
         return InputError(
             _where(angle), "its readings have no scale: they allow no search, and period and decay alone are reported",
-            "angles", "state the degrees that one unit is worth ⟨in scale⟩; of a wheel or a mass on a spring none is needed: write ⟨restoring=linear⟩",
+            "angles", "state the degrees that one unit is worth ⟨in scale⟩; of a wheel, or of the place or acceleration of a mass on a spring, none is needed: write ⟨restoring=linear⟩",
         )  # fmt: skip
     return None
