@@ -114,6 +114,13 @@ def test_speeds_that_do_not_fall_hold_no_damping(tmp_path):
     assert np.isnan(found["signal"].values).all() and "do not fall" in found.attrs["remarks"]
 
 
+def test_speeds_with_a_sign_turn_from_passage_to_passage(tmp_path):
+    there = np.delete(NUMBER, [7, 30])  # two are missed
+    text = columns("t (s),v (m/s)", T[there], (SPEEDS * (-1.0) ** NUMBER)[there])
+    found = taken(tmp_path, text, signal_kind="passages")
+    np.testing.assert_allclose(np.abs(found["signal"].values), SPEEDS[there], rtol=1e-4)
+
+
 def test_a_bob_that_turns_in_the_gate_ends_the_count(tmp_path):
     found = taken(tmp_path, column("t (s)", [*T, T[-1] + 0.1, T[-1] + 0.25]), signal_kind="passages")
     assert found["half_swings"].values[-1] == 59 and "cannot be told" in found.attrs["remarks"]
@@ -124,6 +131,7 @@ def test_a_bob_that_turns_in_the_gate_ends_the_count(tmp_path):
     [
         columns("t (s),v (m/s)", 0.1 * NUMBER, np.cos(0.45 * NUMBER)),
         columns("t (s),v (m/s)", 0.1 * NUMBER, 2 + np.cos(0.45 * NUMBER)),
+        columns("t (s),v (m/s)", 0.1 * NUMBER, 2 * np.exp(-0.05 * NUMBER) * np.cos(0.45 * NUMBER)),
         columns("length (m),T (s)", 0.3 + 0.01 * NUMBER, 2.006 * np.sqrt(0.3 + 0.01 * NUMBER)),
         column("angle", np.cos(0.45 * NUMBER)),
     ],

@@ -37,6 +37,7 @@ _SPEEDS = ("m/s", "cm/s")
 _DARK = re.compile(r"(?i)\b(block(ed)?|dark|dunkel\w*|gate|transito?) ?(time|duration)?\b")
 _ALIKE = 0.25  # of the usual step: a step that differs by more is no half-swing beside another
 _USUAL = 0.9  # of all steps that are alike: the others are passages missed
+_TURNS = 0.7  # of the steps between passages, at which a speed that has a sign changes it: a passage that is missed keeps it
 _LIGHT = 3.0  # times as long as it is dark: beyond the side of a swing, which lasts half a period, as a comparator tells it
 _BETWEEN = 0.05  # of the samples of a gate's voltage, that are on their way from one level to the other
 _LEVEL = 0.25  # of the voltage's range, about either level: a sine is beyond them for a third of its time
@@ -298,12 +299,13 @@ def _with_speeds(
 ) -> Gate | None:
     """Times with the speed at each, or with the time for which the gate was dark."""
     times, read = _beside(values, clock, beside)
-    steps, read = np.diff(times), np.abs(read)
+    steps, turns, read = np.diff(times), np.mean(np.diff(np.sign(read)) != 0), np.abs(read)
     if times.size < FEWEST or not (np.all(steps > 0) and _alike(steps) and np.all(read > 0)):
         return None
     scale, unit, told = _seconds(clock, float(np.median(steps)), row)
     dark = _is_dark(beside)
-    if not dark and not falls(read):  # samples of a speed
+    # of passages each goes the other way, or none is said to; samples of a speed turn now and then
+    if not dark and (0 < turns < _TURNS or not falls(read)):
         return None
     speeds, words = (
         (1 / (read * TIME_UNITS[beside.unit or "s"]), _WIDTHS)
