@@ -65,12 +65,18 @@ def swings(number, row, folder, data):
 
 
 def built(rows, folder, data):
-    """Return the ``Campaign`` of its rows."""
-    parts, doubts = {"fit": [], "holdout": []}, []
+    """Return the ``Campaign`` of its rows; those that are refused are left out, as the command does, while there are others."""
+    parts, doubts, refused = {"fit": [], "holdout": []}, [], []
     for number, row in enumerate(rows, 1):
-        given, doubt = swings(number, row, folder, data)
+        try:
+            given, doubt = swings(number, row, folder, data)
+        except InputError as problem:
+            refused.append(problem)
+            continue
         parts[row["role"] or "fit"] += given
         doubts.append(doubt)
+    if not doubts:
+        raise refused[0]
     one = searchable(rows[0]["campaign"], parts["fit"] + parts["holdout"], max(doubts))
     if not parts["holdout"]:
         return one
