@@ -7,7 +7,8 @@
 4. Fit the most probable structure without each of its effects, and with others in the place of each: what else would do.
 5. Judge each effect that it adds by the numbers of ``criterion`` (``judge``). Swings that are held out are asked here, and nowhere before. Effects
    that take away too little of what is missing are left out one by one, where any is left that takes away enough. Friction and drag
-   may be sure without a name: by the discrepancy, or by the envelope of the swings (``envelope``).
+   may be sure without a name: by the discrepancy, or by the envelope of the swings (``envelope``). Where something unnamed does as well as
+   any name, the most probable of these is judged (``stand_in``).
 6. Fit each law of damping beside what else the structure has: the pendulum's values are told from all of them (``conclusion``).
 
 The discrepancy in every structure is that of Kennedy and O'Hagan, J. R. Stat. Soc. B 63, 425 (2001).
@@ -126,8 +127,8 @@ class _Search:
             best = self._settled()
             if best.key == way[-1].key:
                 break
-            before = way[:1] if best.key == self.pool.base else way
-            way = [*(one for one in before if one.key != best.key), best]
+            others = [one for one in way if one.key != best.key]
+            way = way[:1] if best.key == self.pool.base else [*others, best]
         if self.pool.nothing() > self.pool.criterion.possible:
             way = [self.pool.first, *(one for one in self.pool.bases[:1] if one.key != self.pool.first.key)]
         way = [self.pool.known[one.key] for one in way if one.key in self.pool.known]
