@@ -197,6 +197,20 @@ def test_a_file_asks_for_arguments_and_not_for_cells_of_a_sheet(file, swing):
         swingdown.read(file, units="deg")
 
 
+@pytest.mark.parametrize(
+    ("argument", "value", "mend"),
+    [
+        ("unit", "furlong", "use one of these"),
+        ("unit", "degs", "write 'deg"),
+        ("time_unit", "sec", "write 's'"),
+        ("kind", "swings", "write 'swing'"),
+    ],
+)
+def test_a_value_that_an_argument_cannot_have_is_refused_with_those_that_it_can(file, argument, value, mend):
+    with pytest.raises(InputError, match=f"argument {argument}: it is '{value}'. Expected: .* Mend: {mend}"):
+        swingdown.read(file, **{argument: value})
+
+
 def test_a_file_with_several_runs_asks_which(file):
     part = pd.read_csv(file)
     table = pd.concat([part.add_suffix(f" Run #{k}") for k in (1, 2)], axis=1)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from swingdown.errors import InputError
 from swingdown.measurement.recording import ingest
 from swingdown.measurement.sheet import COLUMNS
 
@@ -47,3 +48,18 @@ def test_where_the_sheet_states_a_unit_it_stands(tmp_path):
     found = read(tmp_path, "t (s)", "angle (mrad)", signal_unit="rad")
     np.testing.assert_allclose(found["signal"].values, SWING, rtol=1e-6, atol=1e-7)
     assert "is read in" not in found.attrs.get("remarks", "")
+
+
+def test_a_stated_length_is_the_unit_of_positions(tmp_path):
+    """As if the header had it: of a small swing the angle is the share of the length of its period."""
+    found = read(tmp_path, "t (s)", "x", per_unit=250.0, signal_unit="mm", length="58cm")
+    told = read(tmp_path, "t (s)", "x (mm)", per_unit=250.0, length="58cm")
+    np.testing.assert_array_equal(found["signal"].values, told["signal"].values)
+    assert np.ptp(found["signal"].values[:50]) == pytest.approx(250 / 580 * np.ptp(SWING[:50]), rel=0.02)
+    assert read(tmp_path, "time", "reading", signal_unit="cm", length="58cm")["signal"].attrs["units"] == "rad"
+
+
+@pytest.mark.parametrize("name", ["x (m)", "angle (rad)"])
+def test_a_stated_length_is_no_unit_of_a_column_that_states_its_own(tmp_path, name):
+    with pytest.raises(InputError, match="mm is the unit of a position, and no column without a unit is one"):
+        read(tmp_path, "t (s)", name, signal_unit="mm")

@@ -36,7 +36,7 @@ from fetch import fetched, place
 
 LIST = Path(__file__).with_name("campaigns.csv")
 # columns that are arguments of swingdown.read
-TOLD = ("column", "run", "unit", "rate", "scale", "start", "stop")
+TOLD = ("column", "run", "unit", "time_unit", "rate", "scale", "start", "stop")
 COLUMNS = ("campaign", "half", "base", "known", "asserted", "status", "told", "held out, times the noise", "CPU (s)")  # fmt: skip
 HALVES = {"learn": "open", "apart": "searched once", "fresh": "fresh"}
 AGAIN = "again"  # what was searched once, by another search than that was

@@ -122,8 +122,8 @@ def _parser() -> argparse.ArgumentParser:
     flag("--together", "all files are recordings of one pendulum")
     flag("--quick", "stop after the first answer: no search for what is missing, no report")
     text("--into", "FOLDER", "the study's folder (default: beside the first file, named after it)")
-    told = "unit of the angle or angular rate, if the file does not state it"
-    one_of("--unit", ["rad", "deg", "counts", "rad/s", "deg/s"], told)
+    told = "unit of the angle, angular rate or position, if the file does not state it"
+    one_of("--unit", ["rad", "deg", "counts", "rad/s", "deg/s", "m", "cm", "mm", "px"], told)
     number("--counts-per-revolution", "N", "counts of an encoder for a turn")
     told = "degrees for one unit of raw readings or volts; or two readings at known angles: 512=0,700=30"
     text("--scale", "DEG", told)

@@ -16,7 +16,9 @@ from ..arrays import Floats, Shown
 from ..dataset import series_of
 from ..errors import InputError, told_to
 from ..extras import has, needed
+from ..measurement.sheet import SCHEMA
 from ..planning import own
+from ..schema import near, rules
 from .options import ARGUMENTS, TO_READ
 
 if TYPE_CHECKING:
@@ -31,7 +33,7 @@ class Told(TypedDict, total=False):
     """What you may state of a file that does not state it itself."""
 
     unit: str
-    """Of the angle or its rate: rad, deg, counts, V, rad/s or deg/s."""
+    """Of the angle or its rate: rad, deg, counts, V, rad/s or deg/s; of positions m, cm, mm or px."""
     column: str
     """Name of the column of the angle."""
     time_unit: str
@@ -248,12 +250,15 @@ def _no_folders(given: Sequence[str | PathLike[str]]) -> list[Path]:
 
 
 def _cells(told: Mapping[str, Any]) -> dict[str, Any]:
-    """Cells of the sample sheet for arguments of ``read``; InputError for an unknown one."""
-    known = Told.__annotations__
+    """Cells of the sample sheet for arguments of ``read``; InputError for an unknown one, and for a value that its cell cannot have."""
+    known, cells = Told.__annotations__, rules(SCHEMA)["properties"]
     for name in told:
         if name not in known:
-            near = difflib.get_close_matches(name, known, 1)
-            raise InputError(f"argument {name}", "there is no such argument", ", ".join(known), f"say {near[0]}=" if near else "leave it out")  # fmt: skip
+            meant = difflib.get_close_matches(name, known, 1)
+            raise InputError(f"argument {name}", "there is no such argument", ", ".join(known), f"say {meant[0]}=" if meant else "leave it out")  # fmt: skip
+        values = cells.get(ARGUMENTS.get(name, name), {}).get("enum", ())
+        if values and told[name] not in ("", *values):
+            raise InputError(f"argument {name}", f"it is {told[name]!r}", " or ".join(map(str, values)), near(told[name], values))  # fmt: skip
     return {ARGUMENTS.get(name, name): value for name, value in told.items()}
 
 

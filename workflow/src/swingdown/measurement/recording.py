@@ -14,7 +14,7 @@ from .choice import SeveralSwings, Uncalibrated, may_be_it
 from .driven import UNITS, Stated, as_variables, judge_driven, stated
 from .files import phyphox
 from .files.columns import place_of
-from .files.known_units import in_known_units
+from .files.known_units import in_known_units, with_stated_length
 from .files.runs import SeveralRuns
 from .files.source import Table, check_sha256, opened, table_of
 from .interpret import interpret
@@ -89,7 +89,8 @@ def _ingest(row: dict[str, Any], sheet: str, restoring: str) -> xr.Dataset:
     )
     with opened(row["file"], place) as source:
         digest = check_sha256(source, row["sha256"], row["file"], place)
-        table, points = passages(in_known_units(table_of(source, row), row), row, place)
+        table, row = with_stated_length(table_of(source, row), row, place)
+        table, points = passages(in_known_units(table, row), row, place)
         if points is None:
             table, points = turning_points(table, row, place)
         if points is not None:

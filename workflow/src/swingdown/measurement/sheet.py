@@ -18,7 +18,8 @@ TWICE = "name used twice"  # the code of the refusal of two rows with one name
 SCHEMA = "recordings.schema.yaml"  # what a row may hold
 COLUMNS: dict[str, Any] = {name: rule.get("default") for name, rule in rules(SCHEMA)["properties"].items()}
 NUMBERS = tuple(name for name, rule in rules(SCHEMA)["properties"].items() if rule.get("type") == "number")
-SIGNAL_UNITS = tuple(rules(SCHEMA)["properties"]["signal_unit"]["enum"])
+LENGTHS = ("m", "cm", "mm", "px")  # units of positions
+SIGNAL_UNITS = tuple(one for one in rules(SCHEMA)["properties"]["signal_unit"]["enum"] if one not in LENGTHS)
 TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 
 

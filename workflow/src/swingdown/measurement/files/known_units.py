@@ -6,7 +6,9 @@ from typing import Any
 
 import pandas as pd
 
-from .columns import TIME
+from ...errors import InputError
+from ..sheet import LENGTHS
+from .columns import TIME, UNTOLD
 from .table import Table
 
 # "grad" is none of them: to some it is a degree, to others a 400th of a turn
@@ -20,6 +22,27 @@ _WORTH = {
     "rad/s": {"rpm": pi / 30, "mdps": pi / 180_000},
 }
 _FACTOR = {written: (unit, worth) for unit, all_ in _WORTH.items() for written, worth in all_.items()}
+
+
+def with_stated_length(table: Table, row: Mapping[str, Any], place: str) -> tuple[Table, Mapping[str, Any]]:
+    """The table and the sheet's ``row`` where that states a length: it then is the positions' own unit, as if the header had it.
+
+    InputError where no column that says nothing of a unit can hold positions.
+    """
+    unit = row["signal_unit"]
+    if unit not in LENGTHS:
+        return table, row
+    untold = [one for one in table.meanings if one.kind == UNTOLD and one.name != row["time_column"]]
+    wanted = row["signal_column"] or (table.names[-1] if len(table.names) == 2 else "")
+    named = [one.name for one in untold if one.name == wanted or (one.axis and not wanted)]
+    if not named:
+        raise InputError(
+            f"{row['file']} ({place}, column signal_unit)",
+            f"{unit} is the unit of a position, and no column without a unit is one",
+            "a column x or y whose unit the file does not state",
+            "name the column of the position ⟨in signal_column⟩, or leave ⟨signal_unit⟩ out",
+        )
+    return table._replace(units={**table.units, **dict.fromkeys(named, unit)}), {**row, "signal_unit": ""}
 
 
 def in_known_units(table: Table, row: Mapping[str, Any]) -> Table:
