@@ -4,6 +4,7 @@ from collections import Counter
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from scipy.signal import lfilter
 
 from swingdown.discovery.data.campaign import Swing, campaign
@@ -147,3 +148,32 @@ def test_a_damping_of_which_a_swing_has_few_samples_is_no_slow_noise(seed):
     made = made + 0.005 * np.random.default_rng([3, seed]).standard_normal(times.size)
     found = verdict_on(campaign("braked", [Swing("a", times, made)]), "constant_coulomb", "linear")
     assert "viscous" in {name for one in found["effects"] for name in (one["name"], *one["tied_with"])}
+
+
+def computed(cubic, drag, less_exact=0.0):
+    """A swing as somebody's solver computes it, with all digits and no noise; ``less_exact`` by so much (rad), slowly."""
+
+    def slope(_, state):
+        angle, speed = state
+        return speed, -36 * np.sin(angle) - 0.2 * speed - drag * speed * abs(speed) - cubic * angle**3
+
+    times = np.arange(1000) / 50
+    found = solve_ivp(slope, (0, 20), (0.8, 0.0), t_eval=times, method="DOP853", rtol=1e-11, atol=1e-13)
+    return campaign("one", [Swing("a", times, found.y[0] + less_exact * np.sin(times) ** 2)])
+
+
+@pytest.mark.parametrize("base", ["viscous", "viscous+quadratic_drag+load_coulomb"])
+def test_of_computed_swings_what_remains_is_arithmetic(base):
+    """To take it for what is missing would be to name a flexible pivot of a part in 10^11."""
+    for less_exact in (0.0, 3e-8):  # as exact as a solver can be, and as one is by default
+        found = verdict_on(computed(0.0, 0.0, less_exact), base)
+        assert (found["status"], found["effects"]) == ("consistent", [])
+        assert found["gap"]["fit"][-1] < 0.1
+
+
+@pytest.mark.parametrize(
+    ("cubic", "drag", "name"), [(2.0, 0.0, "cubic_stiffness"), (0.0, 0.05, "quadratic_drag")]
+)
+def test_what_computed_swings_lack_is_named(cubic, drag, name):
+    found = verdict_on(computed(cubic, drag), "viscous")
+    assert (found["status"], [one["name"] for one in found["effects"]]) == ("named", [name])

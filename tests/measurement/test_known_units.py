@@ -56,7 +56,9 @@ def test_a_stated_length_is_the_unit_of_positions(tmp_path):
     told = read(tmp_path, "t (s)", "x (mm)", per_unit=250.0, length="58cm")
     np.testing.assert_array_equal(found["signal"].values, told["signal"].values)
     assert np.ptp(found["signal"].values[:50]) == pytest.approx(250 / 580 * np.ptp(SWING[:50]), rel=0.02)
-    assert read(tmp_path, "time", "reading", signal_unit="cm", length="58cm")["signal"].attrs["units"] == "rad"
+    assert (
+        read(tmp_path, "time", "reading", signal_unit="cm", length="58cm")["signal"].attrs["units"] == "rad"
+    )
 
 
 @pytest.mark.parametrize("name", ["x (m)", "angle (rad)"])

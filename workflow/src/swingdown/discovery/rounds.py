@@ -14,7 +14,7 @@ from ..pendulum.model import Model
 from ..pendulum.slack import Slack
 from .criterion import USUAL, Criterion
 from .data.campaign import Campaign
-from .data.noise import Noise, coarse_noise, measure_noise
+from .data.noise import Noise, coarse_noise, measure_noise, not_too_fine
 from .judge.confirm import predict
 from .judge.structures import Pool, Structure
 from .move.evidence import Candidate, evidence
@@ -65,7 +65,8 @@ def _likely(campaign: Campaign, fit: Fit, base: Fit) -> list[Noise]:
     ]
     measured = measure_noise(residuals, frequency, campaign.static, len(fit.free))
     least = measured[0].likely + np.log(USUAL.possible)
-    return [coarse_noise(noise, swings, frequency) for noise in measured if noise.likely > least]
+    likely = [noise for noise in measured if noise.likely > least]
+    return [not_too_fine(coarse_noise(noise, swings, frequency), swings) for noise in likely]
 
 
 def _most_probable(

@@ -19,6 +19,8 @@ _FEWEST, _MOST = 15.0, 32.0
 _MEMORIES = 300  # that are looked at: of correlations from -0.9 on, any level of slow noise as likely before
 _FORGETS = 0.5  # periods in which noise has forgotten: what is slower is a drift, and no noise
 _APART = 0.5  # of the logarithm of the slow spectrum: what is known no better is told apart
+# the least noise that a recording can have: of its largest angle, as no sensor reads more finely, and in rad, as no trajectory is computed
+_FINEST, _COMPUTED = 1e-6, 1e-9
 _HANN = 0.514  # of neighbouring powers under Hann's window: they are correlated by 0.444, those after next by 0.028
 
 
@@ -156,6 +158,13 @@ def at_most(noise: Noise, deviation: float, known: float) -> Noise:
     tells apart the smaller is no better. ``known`` is the standard uncertainty of the logarithm of the other variance."""
     apart = 2 * np.log(noise.deviation / deviation) if noise.deviation > 0 < deviation else 0.0
     return replace(noise, deviation=deviation) if apart > 2 * np.hypot(noise.known, known) else noise
+
+
+def not_too_fine(noise: Noise, swings: Sequence[Swing]) -> Noise:
+    """The noise, or where it is finer than any sensor of these swings reads the least that may be: of computed swings what remains is
+    arithmetic."""
+    least = max(_FINEST * max(swing.amplitude for swing in swings), _COMPUTED)
+    return noise if noise.deviation >= least else replace(noise, deviation=least, correlation=0.0)
 
 
 def coarse_noise(noise: Noise, swings: Sequence[Swing], frequency: float) -> Noise:
