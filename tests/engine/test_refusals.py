@@ -10,6 +10,7 @@ from scipy.integrate import solve_ivp
 
 from swingdown.engine.trajectory import TrajectoryError, TrajectoryWarning, simulate
 from swingdown.errors import InputError
+from swingdown.pendulum.catalogue import catalogue
 from swingdown.pendulum.model import Model
 from swingdown_trials import second_pendulum as oracle
 
@@ -95,10 +96,13 @@ def test_errors_that_grow_near_the_top_are_told_with_their_size(reading):
 
 
 def test_errors_that_grow_in_a_chaotic_torque_are_told_with_their_size():
-    """A torque without a name, several turns out, with two wells: a change of the release grows 800 times, off by 2e-4 rad."""
+    """A torque of one's own, several turns out, with two wells: a change of the release grows 800 times, off by 2e-4 rad."""
     pieces = (42.03, 48.65, 16.92, 33.62, 86.86, 0.0, -4.247)
-    values = {"natural_frequency": 7.761, "viscous_ratio": 0.0001416, "unnamed_position_range": 4.033}
-    values |= {f"unnamed_position_{k}": piece for k, piece in enumerate(pieces)}
+    values = {"natural_frequency": 7.761, "viscous_ratio": 0.0001416}
+    values |= {f"wells_c_{k}": piece for k, piece in enumerate(pieces)}
+    powers = (0, 2, 3, 4, 5, 6, 7)
+    term = " + ".join(f"c_{k}*(theta/4.033)**{power}" for k, power in enumerate(powers))
+    own = catalogue({"wells": {"torque": term, "parameters": {f"c_{k}": {} for k in range(7)}}})
     times = np.arange(1001) / 100
     torque = np.polynomial.Polynomial([pieces[0], 0, *pieces[1:]])
 
@@ -107,5 +111,5 @@ def test_errors_that_grow_in_a_chaotic_torque_are_told_with_their_size():
         return at[1], -(7.761**2) * np.sin(at[0]) - damping * at[1] + torque(at[0] / 4.033)
 
     true = solve_ivp(motion, (0, 10), (-4.651, 14.78), "DOP853", times, rtol=1e-13, atol=1e-15, max_step=0.02)
-    read, told = told_error(Model("viscous+unnamed_position", values), times, -4.651, 14.78)
+    read, told = told_error(Model("viscous+wells", values, catalogue=own), times, -4.651, 14.78)
     assert told == pytest.approx(np.abs(read - true.y[0]).max(), rel=0.5)

@@ -71,14 +71,9 @@ def test_of_a_shape_the_first_start_decides_whether_it_rubs():
     assert effect("-c*w*sign(thetadot)", Parameter("size", "c", "1"), width._replace(starts=(1.0,))).rubs
 
 
-def test_what_each_recording_has_and_what_is_given_is_told_by_name():
-    parameters = (
-        Parameter("a", "a", "1"),
-        Parameter("p", "p", "rad", role="phase", each=True),
-        Parameter("r", "r", "rad", role="range"),
-    )
-    one = effect("-a*cos(p)*r", *parameters)
-    assert one.each == ("p",) and one.ranges == ("r",)
+def test_what_each_recording_has_is_told_by_name():
+    one = effect("-a*cos(p)", Parameter("a", "a", "1"), Parameter("p", "p", "rad", role="phase", each=True))
+    assert one.each == ("p",)
     late = effect("-a*input", Parameter("a", "a", "1"), Parameter("d", "d", "s", role="delay"))
     assert late.numerics[-1] == ("d",) and late.numerics[-3] == ("a", "d") and one.numerics[-1] == ()
     assert effect().numerics != effect("-2*c*thetadot").numerics

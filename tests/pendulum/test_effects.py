@@ -156,7 +156,7 @@ def test_names_and_bounds():
 
 
 def test_the_experimenters_effects_are_there():
-    """The list that experimenters would expect, each under its name; forms without a name may come besides."""
+    """The list that experimenters would expect, each under its name."""
     expected = {
         "viscous", "quadratic_drag", "constant_coulomb", "load_coulomb", "stribeck", "presliding", "power_law_drag",
         "structural_damping", "added_mass", "eddy_brake", "constant_torque", "torsion_spring", "quadratic_stiffness", "cubic_stiffness", "detent",

@@ -93,7 +93,7 @@ def test_a_typical_size_that_is_not_stated_is_that_of_the_first_start(stated, ty
     assert sizes == {"k": 1.0, "phi": typical}
 
 
-@pytest.mark.parametrize("name", ["viscous", "unnamed_time", "gravity", "gravity_linear"])
+@pytest.mark.parametrize("name", ["viscous", "torque_input", "gravity", "gravity_linear"])
 def test_the_catalogues_names_are_taken(name):
     with pytest.raises(InputError, match="catalogue has an effect"):
         catalogue({name: COGGING})

@@ -16,7 +16,7 @@ Fitted = tuple[Model, Floats]  # a model with its values, and the covariance of 
 def of_verdict(
     found: Mapping[str, Any], restoring: str = "sine", catalogue: Catalogue = SHIPPED
 ) -> Fitted | None:
-    """The model of the motion that a verdict concludes with, and its covariance; None where it has none, or a torque without a name."""
+    """The model of the motion that a verdict concludes with, and its covariance; None where it has none."""
     concluded = found.get("conclusion")
     if not concluded or found["status"] == Status.UNKNOWN:
         return None

@@ -19,7 +19,7 @@ from .judge.confirm import predict
 from .judge.structures import Pool, Structure
 from .move.evidence import Candidate, evidence
 from .move.refit import nudged
-from .see.free_form import COLUMNS, missing
+from .see.curves import COLUMNS, forms, missing
 from .see.locate import groups
 from .see.losses import COLUMNS as HALF_SWINGS
 from .see.losses import beside
@@ -90,6 +90,7 @@ def round_of(
 ) -> Round:
     """The ``Round`` at a structure, what was ``ranked`` there, and the structure that the search went on ``to``."""
     campaign, noise, fit = pool.campaign, pool.noise, here.fit
+    curves = forms(here.frame)
     names, pairs = [swing.name for swing in campaign.fit], [swing.pair for swing in campaign.fit]
     modelled = [(swing.times, one.angle) for swing, one in zip(campaign.fit, fit.swings, strict=True)]
     table = beside(
@@ -101,7 +102,7 @@ def round_of(
         campaign.reading,
     )
     return Round(
-        number, fit, pool.held_out(fit), noise, tuple(groups(here.frame, noise)), missing(here.frame, noise),
+        number, fit, pool.held_out(fit), noise, tuple(groups(here.frame, noise, curves)), missing(here.frame, noise, curves),
         table, tuple(pool.added(here.key)), pool.lacks(here), here.left(noise), here.widened,
         tuple(ranked), _tied(pool, ranked), None if to is None else _move(here.fit, to.fit, noise),
         criterion=pool.criterion,

@@ -221,10 +221,10 @@ def warn_of_drive(compiled: Compiled, driven: bool, angles: Floats) -> None:
     """Warn of ``angles`` (rad) in which friction has ``driven`` the pendulum, where that is wrong."""
     if not driven:
         return
-    # a torque without a name may drive, for it stands for whatever does; and a friction below 0, which is told elsewhere
+    # a friction below 0 is told elsewhere
     model = compiled.model
     beyond = model.reading != RATE and float(np.max(np.abs(angles), initial=0.0)) > np.pi / 2
-    if beyond and all(map(model.catalogue.has_name, model.names)):
+    if beyond:
         warnings.warn(f"model {model.label}: {_DRIVEN}", TrajectoryWarning, stacklevel=4)
 
 

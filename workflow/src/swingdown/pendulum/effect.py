@@ -31,14 +31,14 @@ TERM_UNITS = {"torque": "1/s**2", "sensor": "1", "play": "1", "clock": "s"}
 _INPUT = re.compile(r"\binput(_rate|_curve)?\b")
 _SLOW, _NOTHING = 1e-300, 1e-9  # a speed (rad/s) so small, and a torque so small, that they are none
 
-Role = Literal["size", "shape", "phase", "range", "delay"]
+Role = Literal["size", "shape", "phase", "delay"]
 
 
 class Parameter(NamedTuple):
     """A number an effect has: its name in files, its symbol in formulas, unit, admissible bounds, and typical size.
 
     ``role`` tells what it does: the effect is linear in a ``size`` and nothing is left of it at zero; a ``shape`` decides
-    where or how fast it acts; a ``phase`` is an angle that turns a sine into a cosine; a ``range`` is given, never fitted; a
+    where or how fast it acts; a ``phase`` is an angle that turns a sine into a cosine; a
     ``delay`` is that of a measured drive.
     """
 
@@ -181,11 +181,6 @@ class Effect:
     def each(self) -> tuple[str, ...]:
         """The names of the parameters that each recording has for itself."""
         return tuple(parameter.name for parameter in self.parameters if parameter.each)
-
-    @property
-    def ranges(self) -> tuple[str, ...]:
-        """The names of the parameters that are given and never fitted."""
-        return tuple(parameter.name for parameter in self.with_role("range"))
 
     @property
     def told(self) -> tuple[str, ...]:

@@ -43,13 +43,12 @@ def refit(
     """The ``Fit`` of the model that ``begin`` has, within the catalogue's bounds, from its values and releases.
 
     Of several beginnings of one model it is the best; those that come to the minimum of an earlier one are not followed to its bottom.
-    ``grown`` as in ``fit_jointly``; ``seen`` begins from the decay that the swings show, too. Unless it is ``ended`` the search is rough, and stops where candidates can be ranked. What the
-    catalogue calls a range is not fitted, nor are the parameters that are ``held`` at where they begin. TrajectoryError where the values give no trajectory, or are none that the model can have.
+    ``grown`` as in ``fit_jointly``; ``seen`` begins from the decay that the swings show, too. Unless it is ``ended`` the search is rough, and stops where candidates can be ranked. Parameters that are
+    ``held`` stay at where they begin. TrajectoryError where the values give no trajectory, or are none that the model can have.
     """
     begins = [begin] if isinstance(begin, Begin) else list(begin)
     model, values = begins[0].model, begins[0].swings[0].values
-    fixed = {name: values[name] for effect in model.effects for name in effect.ranges}
-    fixed |= {name: values[name] for name in held}
+    fixed = {name: values[name] for name in held}
     most, tolerance = _ENDED if ended else _RANKED
     with as_candidate():
         return fit_jointly(model, [swing.pair for swing in swings], guess=begins, seen=seen, bounded=True, own=model.each,

@@ -4,7 +4,7 @@ Torques of a general form are pushed through the equations of variation at the f
 is projected out; the share of the residual that each group explains is a chi-square. No noisy data are differentiated.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,7 +14,7 @@ from ...arrays import Floats
 from ...measurement.swings.even import evenly
 from ...pendulum.catalogue import ANGLE
 from ..data.noise import Noise
-from .free_form import free_columns
+from .curves import Form
 from .linear import Frame, explained, motion
 
 KINDS = {
@@ -40,8 +40,8 @@ class Group:
     share: float
 
 
-def groups(frame: Frame, noise: Noise) -> list[Group]:
-    """The ``Group`` of position, its constant part, velocity, time, sensor, spectral line, and any other, in that order.
+def groups(frame: Frame, noise: Noise, curves: Mapping[str, Form]) -> list[Group]:
+    """The ``Group`` of position, its constant part, velocity, time (``curves.forms``), sensor, spectral line, and any other, in that order.
 
     ``share`` is the part of the residual beyond the noise that the group explains to first order. The line is the
     strongest of the joint periodogram; its p counts how many were looked at. ``other`` is any reading error that angle,
@@ -55,7 +55,7 @@ def groups(frame: Frame, noise: Noise) -> list[Group]:
         chance = plain if p is None else p(statistic)
         return Group(name, statistic, freedom, chance, min(1.0, squares / beyond))
 
-    found = [group(name, *explained(frame, columns)) for name, columns in probes(frame).items()]
+    found = [group(name, *explained(frame, columns)) for name, columns in probes(frame, curves).items()]
     _, squares, looked = line(frame)
     count = 2 * len(frame.swings)
     found.insert(
@@ -80,9 +80,9 @@ def kind(found: Iterable[Group]) -> str | None:
     return "constant" if best == "position" and constant > _CONSTANT * shares[best] else best
 
 
-def probes(frame: Frame) -> dict[str, Floats]:
+def probes(frame: Frame, curves: Mapping[str, Form]) -> dict[str, Floats]:
     """The columns of each group's general form, by name."""
-    columns = {form.over: free_columns(frame, form) for form in frame.fit.model.catalogue.free_forms}
+    columns = {over: form.columns for over, form in curves.items()}
     angle, speed = motion(frame.fit, frame.swings)
     since = np.concatenate([(w.times - w.times[0]) / (w.times[-1] - w.times[0]) for w in frame.swings])
     x, v = angle / np.max(np.abs(angle)), speed / np.max(np.abs(speed))

@@ -13,7 +13,6 @@ from ...engine.trajectory import simulate
 from ...fitting.result import Begin, Fit, SwingStart
 from ...fitting.uncertainty import uncertainty
 from ...measurement.plausibility import KEPT, narrowing
-from ...pendulum.free_form import FreeForm
 from ...studies.quantities import UNITS, Beside, Quantity, about, over_models, quantities, steady
 from ..data.campaign import Campaign, Swing
 from ..judge.confirm import predict
@@ -139,7 +138,7 @@ class _Told:
     def telling(self, state: Round) -> dict[str, Quantity]:
         """The values that say something of those of another model: none of an effect whose work another one does here as well, as a power of
         the speed does that of a viscous drag. How two share it is no value of either."""
-        effects = [one for one in self.fit.model.effects if not isinstance(one, FreeForm)]
+        effects = self.fit.model.effects
         done = {inner.name for one in effects for inner in one.contains}
         shared = {p.name for one in effects if one.name in done for p in one.parameters}
         return {name: one for name, one in self.values(state).items() if name not in shared}
@@ -147,7 +146,7 @@ class _Told:
     @property
     def reported(self) -> list[str]:
         """The parameters that are quantities of the pendulum, or of the sensor of its drive."""
-        effects = [one for one in self.fit.model.effects if not isinstance(one, FreeForm)]
+        effects = self.fit.model.effects
         names = [
             p.name for one in effects if one.name in self.motion.names for p in one.parameters if not p.each
         ]

@@ -24,7 +24,7 @@ _WORTH = {
 _FACTOR = {written: (unit, worth) for unit, all_ in _WORTH.items() for written, worth in all_.items()}
 
 
-def with_stated_length(table: Table, row: Mapping[str, Any], place: str) -> tuple[Table, Mapping[str, Any]]:
+def with_stated_length(table: Table, row: dict[str, Any], place: str) -> tuple[Table, dict[str, Any]]:
     """The table and the sheet's ``row`` where that states a length: it then is the positions' own unit, as if the header had it.
 
     InputError where no column that says nothing of a unit can hold positions.

@@ -14,7 +14,6 @@ from typing import Any
 from ...errors import InputError
 from ..effect import NATURAL_FREQUENCY, Effect, Parameter
 from ..formula import evaluate
-from ..free_form import FREE_FORMS, FreeForm
 from ..own import own_effects
 from .clock import CLOCK
 from .dissipation import DISSIPATION
@@ -47,8 +46,8 @@ class Catalogue:
     ----------
     names
         Of the effects that a search may name.
-    free_forms, inputs
-        Torques without a name, and those of a measured drive, which models may have too.
+    inputs
+        Torques of a measured drive, which models may have too.
     reading
         What a sensor reads, a key of ``READINGS``: it decides what a sensor may have wrong.
 
@@ -68,12 +67,11 @@ class Catalogue:
         self.whole: Catalogue = self if whole is None else whole
         self._of_rates: Catalogue | None = self if whole else None
         self.gravity: Mapping[str, Effect] = GRAVITY
-        self.free_forms: tuple[FreeForm, ...] = FREE_FORMS
         self.inputs: tuple[Effect, ...] = INPUTS
         self.names = tuple(effect.name for effect in entries)
         self._known: dict[str, Effect] = {}
         taken = {effect.name for effect in self.gravity.values()}
-        for effect in (*entries, *self.inputs, *self.free_forms):
+        for effect in (*entries, *self.inputs):
             if effect.name in self._known or effect.name in taken:
                 raise InputError(
                     f"{where}.{effect.name}", f"the catalogue has an effect {effect.name!r}", "a name of its own", "rename it"
@@ -105,7 +103,7 @@ class Catalogue:
         return f"Catalogue of {', '.join(self.names)}"
 
     def __getitem__(self, name: str) -> Effect:
-        """The effect of that name, one without a name included; InputError with the known names otherwise."""
+        """The effect of that name; InputError with the known names otherwise."""
         if name not in self._known and self.reading == RATE and name in self.whole:
             raise InputError(
                 f"effect {name!r}", "it belongs to a sensor of angles, and the recording is of an angular rate", ", ".join(self.names),
@@ -117,17 +115,13 @@ class Catalogue:
 
     @property
     def known(self) -> tuple[Effect, ...]:
-        """Every effect a model may have, those of a measured drive and those without a name last."""
+        """Every effect a model may have, those of a measured drive last."""
         return tuple(self._known.values())
 
     @property
     def parameters(self) -> Mapping[str, Parameter]:
         """Every parameter a model may have by name: the natural frequency, then those of the effects in order."""
         return MappingProxyType(self._parameters)
-
-    def has_name(self, name: str) -> bool:
-        """True for an effect that has a name, False for a free form."""
-        return not isinstance(self[name], FreeForm)
 
     def ordered(self, names: Any) -> tuple[str, ...]:
         """The names in the catalogue's order.

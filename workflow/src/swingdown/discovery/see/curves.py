@@ -1,0 +1,101 @@
+"""The missing torque as smooth curves over angle, speed or time: as columns to test with, and as a table to draw."""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from ...arrays import Floats
+from ...pendulum.effect import NATURAL_FREQUENCY
+from ..data.noise import Noise
+from .green import Motion, motions_of, responses
+from .linear import Frame
+
+COLUMNS = ["over", "part", "x", "torque", "band"]
+_POINTS = 41  # of a curve
+_IMITATED = 0.05  # of the best determined curve: one whose share beyond the fit is smaller is the fit's own
+_POWERS = (0, 2, 3, 4, 5, 6, 7)  # of the angle: the first is the fit's own natural frequency
+_BUMPS = np.arange(7)  # over the speed: friction changes most where it is slow, and powers have no room there
+_COURSES = (1, 2, 3)  # powers of the time, for each part of what changes with it
+_PARTS = ("drag", "stiffness", "push")
+
+
+class Form(NamedTuple):
+    """A family of curves: what each does to the readings (sample, curve), and by part the places to draw at (rad, rad/s, share of the
+    record) with what each curve is there, in rad/s^2 (place, curve)."""
+
+    columns: Floats
+    drawn: dict[str, tuple[Floats, Floats]]
+
+
+def forms(frame: Frame) -> dict[str, Form]:
+    """The ``Form`` over ``position``, ``velocity`` and ``time`` of what a fit's swings reach."""
+    motions, natural = motions_of(frame), frame.fit.model.values[NATURAL_FREQUENCY.name]
+    largest = max(float(np.max(np.abs(one.angle))) for one in motions)
+    fastest = max(float(np.max(np.abs(one.speed))) for one in motions)
+    x, v, since = np.linspace(-1, 1, _POINTS), np.linspace(0, 1, _POINTS), np.linspace(0, 1, _POINTS)
+    # each part of the time is drawn where it is seen: a drag at the largest speed, a stiffness at the largest angle
+    seen = _over_time(fastest / natural, largest, since)
+    of = np.repeat(np.arange(len(_PARTS)), len(_COURSES))
+    return {
+        "position": Form(
+            responses(motions, [_over_angle(one.angle / largest) for one in motions]),
+            {"torque": (largest * x, _over_angle(x))},
+        ),
+        "velocity": Form(
+            responses(motions, [_over_speed(one.speed / fastest) for one in motions]),
+            {"torque": (fastest * v, _over_speed(np.maximum(v, 1e-9)))},  # at rest friction has no side
+        ),
+        "time": Form(
+            responses(motions, [_over_time(one.speed / natural, one.angle, _since(one)) for one in motions]),
+            {part: (since, np.where(of == k, seen, 0.0)) for k, part in enumerate(_PARTS)},
+        ),
+    }
+
+
+def missing(frame: Frame, noise: Noise, curves: Mapping[str, Form]) -> pd.DataFrame:
+    """The missing torque over angle, speed and time (``forms``), each as if it alone were missing: a table.
+
+    Columns ``over`` (position, velocity, time), ``part`` (torque; over time: drag, stiffness, push), ``x`` (rad, rad/s,
+    share of the record), ``torque`` and ``band`` (its standard error, both in rad/s^2; for drag and stiffness the torque
+    at the largest speed and angle).
+    """
+    tables = []
+    for over, form in curves.items():
+        estimate, covariance = _estimate(frame, form.columns, noise)
+        for part, (x, shapes) in form.drawn.items():
+            spread = np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", shapes, covariance, shapes), 0.0))
+            columns = (over, part, x, shapes @ estimate, spread)
+            tables.append(pd.DataFrame(dict(zip(COLUMNS, columns, strict=True))))
+    return pd.concat(tables, ignore_index=True)
+
+
+def _over_angle(x: Floats) -> Floats:
+    return np.column_stack([x**power for power in _POWERS])
+
+
+def _over_speed(v: Floats) -> Floats:
+    return np.sign(v)[:, None] * np.exp(-((6 * np.abs(v)[:, None] - _BUMPS) ** 2))
+
+
+def _over_time(drag: Floats | float, stiffness: Floats | float, since: Floats) -> Floats:
+    courses = np.column_stack([since**power for power in _COURSES])
+    return np.hstack([np.reshape(of, (-1, 1)) * courses for of in (drag, stiffness, 1.0)])
+
+
+def _since(one: Motion) -> Floats:
+    return (one.times - one.times[0]) / (one.times[-1] - one.times[0])
+
+
+def _estimate(frame: Frame, columns: Floats, noise: Noise) -> tuple[Floats, Floats]:
+    """Coefficients of the columns beyond the fit, and their covariance under the noise.
+
+    A curve that the fit's own terms could imitate stays at nothing: any amount of it would leave the residual as it is.
+    """
+    size = np.linalg.norm(columns, axis=0)
+    size[size == 0] = 1.0
+    left, singular, right = np.linalg.svd(frame.outside(columns) / size, full_matrices=False)
+    determined = singular > _IMITATED * max(singular[0], _IMITATED)
+    inverse = (right[determined].T / singular[determined]) / size[:, None]
+    return inverse @ (left[:, determined].T @ frame.residual), inverse @ inverse.T * noise.slow_variance
