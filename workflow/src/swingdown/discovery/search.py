@@ -18,6 +18,7 @@ from collections.abc import Collection
 from contextlib import suppress
 from dataclasses import replace
 
+import numpy as np
 from threadpoolctl import threadpool_limits
 
 from ..engine.trajectory import TrajectoryError
@@ -30,6 +31,7 @@ from .criterion import USUAL, Criterion
 from .data.campaign import Campaign
 from .judge.findings import stand_in, told_of
 from .judge.structures import Key, Structure
+from .move.admissible import told
 from .move.candidates import without
 from .move.evidence import Candidate
 from .move.laws import damping, with_each_law
@@ -257,6 +259,7 @@ class _Search:
         for name in self.pool.base & last.key if len(last.key) > 1 else ():
             if not self.budget.spent:
                 self.pool.lacking(last, [name])
+        self._spare()
         for name in self.pool.added(last.key):
             if self.budget.spent:
                 return
@@ -268,6 +271,18 @@ class _Search:
                 with suppress(TrajectoryError):
                     self.pool.look(self._restored(last.fit, name, old))
         self._look_at_laws(last)
+
+    def _spare(self) -> None:
+        """The structures that may be as probable as the best, without the effects of the base that do nothing beside theirs: what an idle
+        effect costs is no evidence against another."""
+        pool = self.pool
+        for one in list(pool.known.values()):
+            idle = [name for name in pool.base & one.key if pool.added(one.key) and not told(one.fit, name)]
+            gain = 0.5 * len(idle) * np.log(pool.noise.effective(one.fit.n))
+            if idle and one.evidence + gain > pool.best.evidence + np.log(pool.criterion.possible):
+                if self.budget.spent:
+                    return
+                pool.lacking(one, idle)
 
     def _look_at_laws(self, last: Structure) -> None:
         """Each law of damping in the place of the structure's own."""

@@ -36,7 +36,7 @@ def inadmissible(fit: Fit, added: str | None, noise: Noise) -> str:
         return ""
     if not is_there(fit, added):
         return f"{size.name} wants to be below {size.lower:g} {size.unit}"
-    if CLEAR * fit.model.standard_errors.get(size.name, 0.0) > abs(values[size.name]):
+    if not told(fit, added):
         return f"{size.name} is not determined"
     for parameter in effect.parameters:
         if parameter.apart_from_swing:
@@ -81,6 +81,14 @@ def is_there(fit: Fit, name: str) -> bool:
     """True where the size of an effect did not end at the bound at which nothing of it is there."""
     size = fit.model.catalogue[name].size
     return size is None or fit.models[0].values[size.name] > size.lower + 1e-12
+
+
+def told(fit: Fit, name: str) -> bool:
+    """True where the size of an effect is there, and clear of nothing by its standard error."""
+    size = fit.model.catalogue[name].size
+    if size is None or not is_there(fit, name):
+        return size is None
+    return not CLEAR * fit.model.standard_errors.get(size.name, 0.0) > abs(fit.models[0].values[size.name])
 
 
 def within(fit: Fit, name: str) -> bool:
