@@ -74,6 +74,9 @@ def test_an_uncertainty_known_in_part_cuts_there(value, known, text):
         (300.0, 20.0, "limit", "300 ± 20"),
         (7.25, nan, "two", "7.25 ± ?"),
         (nan, 1.0, "two", "nan"),
+        (1290206, 480716, "two", "(1.29 ± 0.48)e6"),
+        (12902, 9807, "two", "12902 ± 9807"),
+        (3, 20000, "one", "(0 ± 2)e4"),
     ],
 )
 def test_a_value_and_its_uncertainty_side_by_side(value, uncertainty, rule, text):

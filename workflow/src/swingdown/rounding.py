@@ -9,6 +9,7 @@ from math import isfinite, nan
 RULES = ("two", "one", "limit")
 SURE = 0.999  # probability above which one says no more
 _SMALLEST = -4  # power of ten of the larger of the two below which, and ...
+_LONG = 4  # power of ten of an uncertainty from which on digits before the point are rounded away
 _COARSEST = 2  # ... of the last digit shown above which a power of ten reads better
 
 
@@ -52,7 +53,7 @@ def plus_minus(value: float, uncertainty: float, rule: str = "two") -> str:
     Parameters
     ----------
     value, uncertainty
-        As of ``value_with_uncertainty``. Digits before the point are never rounded away.
+        As of ``value_with_uncertainty``. Digits before the point are rounded away of uncertainties of five digits or more.
     rule
         Digits of the uncertainty: ``two``, ``one`` or ``limit`` (two, or one where the second is a zero).
 
@@ -79,7 +80,7 @@ def _cut(
     """Value and uncertainty at the last digit shown, in units of a power of ten; that digit's power and this one.
 
     None where there is nothing to cut at. ``coarsest`` is the power that the last digit shown does not exceed; then
-    only small numbers are told with a power of ten.
+    only small numbers are told with a power of ten, and those as uncertain as 10 000.
     """
     if rule not in RULES:
         raise ValueError(f"unknown rule {rule!r}: {', '.join(RULES)}")
@@ -89,10 +90,10 @@ def _cut(
     number, error = Decimal(float(value)), Decimal(float(uncertainty))
     last = _last_digit(error, rule)
     size = max(number, error, key=abs).adjusted()
-    power = 0
-    if size < _SMALLEST or (coarsest is None and last > _COARSEST):
+    power, long = 0, error.adjusted() >= _LONG
+    if size < _SMALLEST or long or (coarsest is None and last > _COARSEST):
         power = size
-    if coarsest is not None:
+    if coarsest is not None and not long:
         last = min(last, coarsest + power)
     number, error = (_rounded(part, last).scaleb(-power) for part in (number, error))
     return abs(number) if number == 0 else number, error, last - power, power

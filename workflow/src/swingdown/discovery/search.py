@@ -4,7 +4,8 @@
 2. Fit each effect of the catalogue in addition, and in the place of what it can stand in for (``ranking``); two at a time where no one
    leaves nothing.
 3. Look at each of these structures in the same way, and go on from the most probable, until that is one that was gone on from.
-4. Fit the most probable structure without each of its effects, and with others in the place of each: what else would do.
+4. Fit the most probable structure without each of its effects, and with others in the place of each: what else would do. Fit those about as
+   probable without what of the base is idle in them.
 5. Judge each effect that it adds by the numbers of ``criterion`` (``judge``). Swings that are held out are asked here, and nowhere before. Effects
    that take away too little of what is missing are left out one by one, where any is left that takes away enough. Friction and drag
    may be sure without a name: by the discrepancy, or by the envelope of the swings (``envelope``). Where something unnamed does as well as
