@@ -295,3 +295,17 @@ def test_a_value_that_a_bound_held_in_the_search_has_its_uncertainty_from_the_wh
 
     own = told(np.nan, 1.0)
     assert 0 < own == told(own, 1.0) and told(np.nan, 2.0) == pytest.approx(2 * own)
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_what_is_idle_in_the_base_speaks_for_no_other_effect(seed):
+    """Friction that gives way before it slips takes all energy: the base's drags do nothing beside it, and what each costs is no evidence."""
+    values = {"natural_frequency": 5.306, "presliding_friction": 0.007175, "presliding_angle": 0.01918}
+    times = np.arange(0, 67, 0.02)
+    noise = 5e-4 * np.random.default_rng(seed).standard_normal(times.size)
+    swing = Swing("a", times, simulate(Model("presliding", values), times, 0.06) + noise)
+    base = Model("viscous+quadratic_drag")
+    one = campaign("one", [swing])
+    found = verdict([summary(state, one) for state in discover(one, base)], base.catalogue)
+    assert (found["status"], [one["name"] for one in found["effects"]]) == ("named", ["presliding"])
+    assert not found["effects"][0]["tied_with"]
