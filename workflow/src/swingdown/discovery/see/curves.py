@@ -11,10 +11,10 @@ from ...pendulum.effect import NATURAL_FREQUENCY
 from ..data.noise import Noise
 from .green import Motion, motions_of, responses
 from .linear import Frame
+from .remainder import most_likely
 
 COLUMNS = ["over", "part", "x", "torque", "band"]
 _POINTS = 41  # of a curve
-_IMITATED = 0.05  # of the best determined curve: one whose share beyond the fit is smaller is the fit's own
 _POWERS = (0, 2, 3, 4, 5, 6, 7)  # of the angle: the first is the fit's own natural frequency
 _BUMPS = np.arange(7)  # over the speed: friction changes most where it is slow, and powers have no room there
 _COURSES = (1, 2, 3)  # powers of the time, for each part of what changes with it
@@ -89,13 +89,15 @@ def _since(one: Motion) -> Floats:
 
 
 def _estimate(frame: Frame, columns: Floats, noise: Noise) -> tuple[Floats, Floats]:
-    """Coefficients of the columns beyond the fit, and their covariance under the noise.
-
-    A curve that the fit's own terms could imitate stays at nothing: any amount of it would leave the residual as it is.
-    """
+    """Coefficients of the columns beyond the fit, as large as the data ask for (maximum of the evidence), and their covariance: what the fit's
+    own values could imitate is as open as they are large."""
     size = np.linalg.norm(columns, axis=0)
     size[size == 0] = 1.0
     left, singular, right = np.linalg.svd(frame.outside(columns) / size, full_matrices=False)
-    determined = singular > _IMITATED * max(singular[0], _IMITATED)
-    inverse = (right[determined].T / singular[determined]) / size[:, None]
-    return inverse @ (left[:, determined].T @ frame.residual), inverse @ inverse.T * noise.slow_variance
+    residual = frame.outside(frame.residual)
+    seen = left.T @ residual
+    whole = float(residual @ residual)
+    found = most_likely(singular, seen, noise.slow_variance, whole, frame.samples)
+    along = right.T / size[:, None]
+    mean = found.kept * seen / np.maximum(singular, 1e-300)
+    return along @ mean, (along * (found.size * (1 - found.kept))) @ along.T

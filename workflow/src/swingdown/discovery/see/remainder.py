@@ -94,6 +94,33 @@ class _Smooth(NamedTuple):
     left: float
 
 
+class Shrunk(NamedTuple):
+    """How large coefficients most likely are: their variance ``size``, the share of each that the data determine (``kept``), the variance that
+    counts as noise, and the sum of squares that is left."""
+
+    size: float
+    kept: Floats
+    variance: float
+    left: float
+
+
+def most_likely(singular: Floats, seen: Floats, variance: float, whole: float, samples: int) -> Shrunk:
+    """The ``Shrunk`` of most evidence for coefficients along directions that do so much to the readings (``singular``), of which the
+    residual, whose sum of squares is ``whole``, has so much (``seen``). What is left of it beyond the noise's ``variance`` counts as noise."""
+    for _ in range(3):
+
+        def cost(logarithm: float, variance: float = variance) -> float:
+            power = variance + np.exp(logarithm) * singular**2
+            return float(np.sum(np.log(power) + seen**2 / power))
+
+        scale = np.log(variance / np.max(singular) ** 2)
+        size = float(np.exp(minimize_scalar(cost, bounds=(scale - 5, scale + 40), method="bounded").x))
+        kept = size * singular**2 / (variance + size * singular**2)
+        squares = whole - float(np.sum((1 - (1 - kept) ** 2) * seen**2))
+        variance = max(variance, squares / samples)
+    return Shrunk(size, kept, variance, squares)
+
+
 def _smooth(
     columns: tuple[Floats, Floats], along: Floats, near: Floats, variance: float, whole: float, samples: int
 ) -> _Smooth:
@@ -112,17 +139,8 @@ def _smooth(
     ):  # the fit's own values could do all of it
         nothing = np.zeros(root.shape[0])
         return _Smooth(nothing, nothing, nothing, whole)
-    for _ in range(3):
-
-        def cost(logarithm: float, variance: float = variance) -> float:
-            power = variance + np.exp(logarithm) * singular**2
-            return float(np.sum(np.log(power) + seen**2 / power))
-
-        scale = np.log(variance / np.max(singular) ** 2)
-        size = np.exp(minimize_scalar(cost, bounds=(scale - 5, scale + 40), method="bounded").x)
-        kept = size * singular**2 / (variance + size * singular**2)
-        squares = whole - float(np.sum((1 - (1 - kept) ** 2) * seen**2))
-        variance = max(variance, squares / samples)
+    told = most_likely(singular, seen, variance, whole, samples)
+    kept, variance, squares = told.kept, told.variance, told.left
     inverse = np.where(singular > 0, kept / np.where(singular > 0, singular, 1.0), 0.0)
     shape = root @ right.T
     prior = np.einsum("ij,ij->i", shape, shape)
