@@ -43,11 +43,13 @@ class Group:
 def groups(frame: Frame, noise: Noise, curves: Mapping[str, Form]) -> list[Group]:
     """The ``Group`` of position, its constant part, velocity, time (``curves.forms``), sensor, spectral line, and any other, in that order.
 
-    ``share`` is the part of the residual beyond the noise that the group explains to first order. The line is the
+    ``share`` is the part of the residual beyond the noise, or of one that is below the noise of all of it, that the group explains to first order. The line is the
     strongest of the joint periodogram; its p counts how many were looked at. ``other`` is any reading error that angle,
     velocity and time determine: it asks whether anything is left, not what.
     """
-    beyond = max(float(np.sum(frame.residual**2)) - noise.deviation**2 * frame.samples, 1e-300)
+    whole = float(np.sum(frame.residual**2))
+    excess = whole - noise.deviation**2 * frame.samples
+    beyond = excess if excess > 0 else max(whole, 1e-300)
 
     def group(name: str, squares: float, freedom: int, p: Callable[[float], float] | None = None) -> Group:
         statistic = squares / noise.slow_variance
