@@ -47,3 +47,9 @@ def test_a_unit_of_its_own_stands_alone_beside_others_only():
     assert sharing([own]) == ([0], {})
     together, alone = sharing([own, angle("b")])
     assert together == [1] and "how large its unit is" in alone[0].problem
+
+
+@pytest.mark.parametrize(("unit", "shared"), [("mm", True), ("V", True), ("units", False), ("px", False)])
+def test_a_unit_of_its_own_is_shared_where_it_is_as_large_in_each_recording(unit, shared):
+    together, alone = sharing([angle(name, own_unit=unit, own_step=0.1) for name in "ab"])
+    assert together == ([0, 1] if shared else []) and len(alone) == (0 if shared else 2)

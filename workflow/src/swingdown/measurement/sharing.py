@@ -10,12 +10,14 @@ from .angle import UNSCALED
 from .points.points_recording import NOT_IN_IT, POINTS_ALONE, are_points
 from .positions import METRES
 
+_OF_ONE_SIZE = {*METRES, "v"}  # units that are as large in every recording
+
 
 def sharing(angles: Sequence[xr.Dataset]) -> tuple[list[int], dict[int, InputError]]:
     """The places of the recordings that one model can share and a search can use, and by place why each of the others cannot.
 
     A model needs the angle, for on it the period depends: points of the motion and readings without a scale do not hold it. Readings in
-    a unit of their own share one where that is the same unit of length for all.
+    a unit of their own share one where that is the same unit of length for all, or volts, which one sensor gives.
 
     Parameters
     ----------
@@ -25,7 +27,7 @@ def sharing(angles: Sequence[xr.Dataset]) -> tuple[list[int], dict[int, InputErr
     alone = {k: why for k, one in enumerate(angles) if (why := _alone(one)) is not None}
     rest = [k for k in range(len(angles)) if k not in alone]
     owned = {k: own.name.lower() for k in rest if (own := own_of(angles[k].attrs)) is not None}
-    alike = len(owned) == len(rest) and len(set(owned.values())) == 1 and set(owned.values()) <= METRES.keys()
+    alike = len(owned) == len(rest) and len(set(owned.values())) == 1 and set(owned.values()) <= _OF_ONE_SIZE
     if len(rest) > 1 and not alike:
         alone |= {k: InputError(
             _where(angles[k]), "its readings have no scale, and how large its unit is beside that of another recording is not known",
