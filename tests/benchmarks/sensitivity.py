@@ -29,7 +29,7 @@ from test_frozen import CAMPAIGNS, swings
 
 SETTINGS = {
     "criterion": ("CLEAR",),
-    "data.noise": ("_FORGETS", "_APART", "_FINEST"),
+    "data.noise": ("_FORGETS", "_APART", "FINEST"),
     "judge.structures": ("_COUNTS",),
     "see.friction": ("_ANGLES", "_EACH"),
     "see.envelope": ("_NODES",),

@@ -346,3 +346,10 @@ def test_a_counter_that_begins_anew_runs_on(turn, told):
     found = judge(TIME, counts, Reading("counts", True, scale), "here")
     assert "jumps by a whole turn" in found.remarks[0]
     assert np.ptp(found.signal) == pytest.approx(1.2 / (2 * np.pi) * turn, rel=0.02)
+
+
+@pytest.mark.parametrize(("noise", "told"), [(0.0, True), (1e-7, True), (2e-6, False)])
+def test_a_swing_without_noise_is_asked_whether_it_was_computed(noise, told):
+    """A millionth of half a radian: no sensor on a bench reads so finely."""
+    asked = "NO SENSOR IS SO QUIET: its noise is less than a millionth of the swing; was it computed, or smoothed?"
+    assert looked_at(swing(noise=noise)) == [asked] * told

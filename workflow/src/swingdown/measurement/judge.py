@@ -16,6 +16,7 @@ from .swings.beats import check_one_motion
 from .swings.continuity import check_alive, check_continuous
 from .swings.even import evenly
 from .swings.gaps import check_countable, uncounted
+from .swings.noise_level import too_quiet
 from .swings.quality import check_signal
 from .swings.release import Window, find_windows, within
 from .swings.slips import longest_between, out_of_step
@@ -25,6 +26,9 @@ from .units import COUNTED, NO_SCALE, TURNS, angle_unit, check_steps, in_rad, tu
 UNSCALED = (
     "no scale is stated: PERIOD AND DECAY ALONE ARE REPORTED. For angles state the degrees that one unit is worth "
     "⟨in scale⟩"
+)
+TOO_QUIET = (
+    "NO SENSOR IS SO QUIET: its noise is less than a millionth of the swing; was it computed, or smoothed?"
 )
 OWN = "no scale is known: SIZES ARE IN UNITS OF THE READING ({})"
 
@@ -127,6 +131,8 @@ def judge(times: Floats, signal: Floats, reading: Reading, place: str) -> Judged
     )
     if pushed:
         remarks.append(f"something other than the pendulum moves it at about {pushed[0]:.2f} s")
+    if even.kept and not even.missing.any() and too_quiet(even.times, even.signal):
+        remarks.append(TOO_QUIET)
     for window in windows:
         part = within(window, times)
         check_one_motion(times[part], about[part], place)

@@ -10,7 +10,7 @@ from scipy.special import log_ndtr
 
 from ...arrays import Floats
 from ...measurement.swings.even import evenly
-from ...measurement.swings.noise_level import HARMONICS, SPECTRUM, whittle_cost
+from ...measurement.swings.noise_level import FINEST, HARMONICS, SPECTRUM, whittle_cost
 from .campaign import Swing
 
 _ORDER = 6  # of the differences of neighbouring samples
@@ -19,8 +19,7 @@ _FEWEST, _MOST = 15.0, 32.0
 _MEMORIES = 300  # that are looked at: of correlations from -0.9 on, any level of slow noise as likely before
 _FORGETS = 0.5  # periods in which noise has forgotten: what is slower is a drift, and no noise
 _APART = 0.5  # of the logarithm of the slow spectrum: what is known no better is told apart
-# the least noise that a recording can have: of its largest angle, as no sensor reads more finely, and in rad, as no trajectory is computed
-_FINEST, _COMPUTED = 1e-6, 1e-9
+_COMPUTED = 1e-9  # rad, to which trajectories are
 _HANN = 0.514  # of neighbouring powers under Hann's window: they are correlated by 0.444, those after next by 0.028
 
 
@@ -163,7 +162,7 @@ def at_most(noise: Noise, deviation: float, known: float) -> Noise:
 def not_too_fine(noise: Noise, swings: Sequence[Swing]) -> Noise:
     """The noise, or where it is finer than any sensor of these swings reads the least that may be: of computed swings what remains is
     arithmetic."""
-    least = max(_FINEST * max(swing.amplitude for swing in swings), _COMPUTED)
+    least = max(FINEST * max(swing.amplitude for swing in swings), _COMPUTED)
     return noise if noise.deviation >= least else replace(noise, deviation=least, correlation=0.0)
 
 

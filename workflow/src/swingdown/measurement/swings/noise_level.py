@@ -14,6 +14,7 @@ _LINE = 10.0  # times its neighbours' median: a line of the mains or of a bearin
 _NEIGHBOURS = 32
 SPECTRUM = 64  # samples; a spectrum of fewer is too coarse for a band
 _WINDOWS = 20_000  # that are looked at
+FINEST = 1e-6  # of the swing: no sensor of a pendulum reads more finely
 BAND = (15.0, 50.0)  # Hz; far above a pendulum's harmonics, below what mains and bearings bring
 
 
@@ -117,6 +118,13 @@ def noise_level(times: ArrayLike, signal: ArrayLike) -> float:
     low = min(BAND[0], 0.6 * high)
     inside = (frequency >= low) & (frequency <= high) & (frequency < 0.5 / interval)
     return float(np.sqrt(np.median(power[inside] / gain[inside]) / np.log(2)))
+
+
+def too_quiet(times: ArrayLike, signal: ArrayLike) -> bool:
+    """True of an evenly spaced swing with less noise than any sensor has: it was computed, or smoothed. Too few samples tell nothing."""
+    if len(np.asarray(signal)) < SPECTRUM:
+        return False
+    return noise_level(times, signal) < FINEST * float(np.ptp(signal)) / 2
 
 
 def scatter(times: Floats, signal: Floats, window: int, order: int) -> Floats:
