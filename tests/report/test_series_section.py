@@ -60,4 +60,6 @@ def test_without_lengths_there_is_no_section():
 def test_too_few_values_make_a_figure_that_says_so(table, tmp_path):
     made = of_sheet(table.iloc[:2], {"a": {"length": "0.2"}, "b": {"length": "0.4"}})
     assert not made and varied_in({"a": {"length": "0.2"}, "b": {"length": "0.4"}}) == ()
+    assert varied_in({"a": {"group": "x"}, "b": {"group": "y"}, "c": {}}) == ("groups",)
+    assert varied_in({"a": {"group": "x"}, "b": {"group": "x"}}) == ()
     assert save(drawn("series", made), tmp_path / "series")
