@@ -148,7 +148,7 @@ def test_a_pendulum_without_a_scale_is_still_asked_for_it(tmp_path):
 
 def test_two_of_unknown_scale_share_no_model_and_each_is_searched_alone(tmp_path):
     one, other = (
-        read(_wheel(tmp_path, 20.0, "U (V)", seed, str(seed)), restoring="linear").swings[0]
+        read(_wheel(tmp_path, 20.0, "x (px)", seed, str(seed)), restoring="linear").swings[0]
         for seed in (1, 2)
     )
     assert sharing([one]) == ([0], {})
