@@ -32,7 +32,7 @@ from .criterion import USUAL, Criterion
 from .data.campaign import Campaign
 from .judge.findings import stand_in, told_of
 from .judge.structures import Key, Structure
-from .move.admissible import told
+from .move.admissible import clear
 from .move.candidates import without
 from .move.evidence import Candidate
 from .move.laws import damping, with_each_law
@@ -260,7 +260,7 @@ class _Search:
         for name in self.pool.base & last.key if len(last.key) > 1 else ():
             if not self.budget.spent:
                 self.pool.lacking(last, [name])
-        self._spare()
+        self._without_idle()
         for name in self.pool.added(last.key):
             if self.budget.spent:
                 return
@@ -273,12 +273,12 @@ class _Search:
                     self.pool.look(self._restored(last.fit, name, old))
         self._look_at_laws(last)
 
-    def _spare(self) -> None:
+    def _without_idle(self) -> None:
         """The structures that may be as probable as the best, without the effects of the base that do nothing beside theirs: what an idle
         effect costs is no evidence against another."""
         pool = self.pool
         for one in list(pool.known.values()):
-            idle = [name for name in pool.base & one.key if pool.added(one.key) and not told(one.fit, name)]
+            idle = [name for name in pool.base & one.key if pool.added(one.key) and not clear(one.fit, name)]
             gain = 0.5 * len(idle) * np.log(pool.noise.effective(one.fit.n))
             if idle and one.evidence + gain > pool.best.evidence + np.log(pool.criterion.possible):
                 if self.budget.spent:

@@ -36,7 +36,7 @@ def inadmissible(fit: Fit, added: str | None, noise: Noise) -> str:
         return ""
     if not is_there(fit, added):
         return f"{size.name} wants to be below {size.lower:g} {size.unit}"
-    if not told(fit, added):
+    if not clear(fit, added):
         return f"{size.name} is not determined"
     for parameter in effect.parameters:
         if parameter.apart_from_swing:
@@ -83,8 +83,8 @@ def is_there(fit: Fit, name: str) -> bool:
     return size is None or fit.models[0].values[size.name] > size.lower + 1e-12
 
 
-def told(fit: Fit, name: str) -> bool:
-    """True where the size of an effect is there, and clear of nothing by its standard error."""
+def clear(fit: Fit, name: str) -> bool:
+    """True where the size of an effect is clear of nothing by its standard error (``clear``); of one without a size always."""
     size = fit.model.catalogue[name].size
     if size is None or not is_there(fit, name):
         return size is None
