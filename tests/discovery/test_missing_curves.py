@@ -8,6 +8,7 @@ from swingdown.discovery.data.noise import Noise
 from swingdown.discovery.rounds import first_fit
 from swingdown.discovery.see.curves import forms, missing
 from swingdown.discovery.see.linear import columns_of, frame
+from swingdown.discovery.see.locate import groups
 from swingdown.engine.trajectory import simulate
 from swingdown.pendulum.model import Model
 
@@ -75,3 +76,10 @@ def test_what_a_curve_does_to_the_readings_is_what_the_engine_says():
     np.testing.assert_allclose(
         found["position"].columns[:, 2], -engine / largest**3, atol=0.01 * np.abs(engine).max() / largest**3
     )
+
+
+def test_of_a_residual_below_the_noise_the_shares_are_its_own():
+    """There is no excess that they could be shares of."""
+    here = seen("viscous")
+    shares = [one.share for one in groups(here, Noise(3 * NOISE), forms(here))]
+    assert max(shares) < 0.2
