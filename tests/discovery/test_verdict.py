@@ -61,7 +61,9 @@ def test_without_what_is_idle_nothing_is_missing():
     assert found["status"] == "consistent" and not found["effects"]
     assert "Nothing is missing" in found["sentence"] and "may be" not in found["sentence"]
     # its value stands among those that are reported
-    said = "The model has constant torque (0.31 ± 0.02 rad/s^2) besides: without it nothing rises above the noise."
+    said = (
+        "The model also has constant torque (0.31 ± 0.02 rad/s^2): without it nothing rises above the noise."
+    )
     assert said in found["sentence"]
 
 

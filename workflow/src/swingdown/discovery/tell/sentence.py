@@ -52,9 +52,7 @@ def sentence(found: Mapping[str, Any], catalogue: Catalogue = SHIPPED) -> str:
             f"({small(noise, found.get('unit', 'rad'))}) on fitted and {holdout[-1]:.3g} on held-out swings."
         )
         joined, _ = _may_be(found["stand_ins"], catalogue)
-        besides = (
-            f" The model has {joined} besides: without it nothing rises above the noise." if joined else ""
-        )
+        besides = f" The model also has {joined}: without it nothing rises above the noise." if joined else ""
         return text + besides + dropped + end
     if not found.get("dies_away", True):
         return "What stops it cannot be told: it does not die away, and what a motor does is no effect of the catalogue."
