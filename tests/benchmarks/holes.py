@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "discovery"))
 from test_frozen import CAMPAIGNS, DURATION, NOISE, RATE, VALUES
 

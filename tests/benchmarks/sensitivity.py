@@ -24,7 +24,8 @@ from swingdown.discovery.tell.files import summary
 from swingdown.discovery.tell.verdict import verdict
 from swingdown.pendulum.model import BASES, Model
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "discovery"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "discovery"))
 from test_frozen import CAMPAIGNS, swings
 
 SETTINGS = {

@@ -4,14 +4,11 @@ The second pendulum makes the swings, so a change of the engine is seen as well.
 that is meant, ``FROZEN_WRITE=1 make quick TESTS=tests/discovery/test_frozen.py`` writes them anew, and the diff shows what it did.
 """
 
-import fcntl
-import json
-import os
-from math import ceil, log10
 from pathlib import Path
 
 import numpy as np
 import pytest
+from frozen import held
 
 import swingdown
 from swingdown_trials.second_pendulum import BELOW_NOISE, trajectory
@@ -89,7 +86,7 @@ def swings(
 
 
 def found(hidden, values, releases, special):
-    """What is frozen of a campaign's verdict, its numbers not yet rounded."""
+    """What is frozen of a campaign's verdict."""
     times, readings = swings(hidden, values, releases, **special)
     answer = swingdown.explain(
         times,
@@ -105,54 +102,13 @@ def found(hidden, values, releases, special):
         "status": told["status"],
         "effects": {one["name"]: one["tied_with"] for one in told["effects"]},
         "stand_ins": [one["name"] for one in told["stand_ins"]],
-        "gap": told["gap"]["holdout"][-1],
-        "period_s": period,
-        "period_s_u": error,
+        "gap": f"{told['gap']['holdout'][-1]:.2f}",
+        "period_s": f"{period:#.5g}",
+        "period_s_u": f"{error:#.2g}",
     }
-
-
-def step(key, value):
-    """One unit of the last digit that is kept: of gaps 0.01, of periods the fifth digit, of uncertainties the second."""
-    digits = {"gap": None, "period_s": 5, "period_s_u": 2}[key]
-    return 0.01 if digits is None else 10.0 ** (ceil(log10(abs(value))) - digits)
-
-
-def rounded(one):
-    return {
-        key: float(f"{round(value / step(key, value)) * step(key, value):.10g}") if isinstance(value, float) else value
-        for key, value in one.items()
-    }  # fmt: skip
-
-
-def changed(one, frozen):
-    """What is not as frozen, in words; a number may lie a tenth of its last digit beyond where it is rounded to another."""
-    for key, was in frozen.items():
-        now = one[key]
-        if abs(now - was) > 0.6 * step(key, max(now, was)) if isinstance(was, float) else now != was:
-            yield f"{key} was {was}, is now {now}"
-
-
-def write(name, one):
-    """Put a campaign's verdict into the file, beside what other processes write at the same time."""
-    with FROZEN.open("a+") as file:
-        fcntl.flock(file, fcntl.LOCK_EX)
-        file.seek(0)
-        known = json.loads(file.read() or "{}") | {name: rounded(one)}
-        file.truncate(0)
-        rows = [f"{json.dumps(key)}: {json.dumps(known[key])}" for key in CAMPAIGNS if key in known]
-        file.write("{\n" + ",\n".join(rows) + "\n}\n")
 
 
 @pytest.mark.filterwarnings("ignore::swingdown.engine.trajectory.TrajectoryWarning")
 @pytest.mark.parametrize("name", CAMPAIGNS)
 def test_the_verdict_is_what_it_was(name):
-    now = found(*CAMPAIGNS[name])
-    if os.environ.get("FROZEN_WRITE"):
-        write(name, now)
-        return
-    frozen = json.loads(FROZEN.read_text()).get(name)
-    assert frozen, f"{name}: not frozen yet; FROZEN_WRITE=1 freezes it"
-    differs = list(changed(now, frozen))
-    assert not differs, (
-        f"{name}: {'; '.join(differs)}. Where this is meant, write it anew with FROZEN_WRITE=1"
-    )
+    held(FROZEN, CAMPAIGNS, name, found(*CAMPAIGNS[name]))

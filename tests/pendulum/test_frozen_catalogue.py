@@ -4,11 +4,10 @@
 TESTS="tests/pendulum/test_frozen_catalogue.py -n0"`` writes it anew, and the diff shows what it did.
 """
 
-import json
-import os
 from pathlib import Path
 
 import pytest
+from frozen import held
 
 from swingdown.pendulum.catalogue import SHIPPED
 
@@ -24,9 +23,4 @@ def told(name):
 
 @pytest.mark.parametrize("name", SHIPPED.names)
 def test_the_effect_is_what_it_was(name):
-    known = json.loads(FROZEN.read_text(encoding="utf-8")) if FROZEN.exists() else {}
-    if os.environ.get("FROZEN_WRITE"):
-        kept = {one: known.get(one) for one in SHIPPED.names} | {name: told(name)}
-        FROZEN.write_text(json.dumps(kept, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
-        return
-    assert told(name) == known.get(name), f"{name}: where this is meant, write it anew with FROZEN_WRITE=1"
+    held(FROZEN, SHIPPED.names, name, told(name))
