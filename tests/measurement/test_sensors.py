@@ -7,6 +7,7 @@ from swingdown.errors import InputError
 from swingdown.measurement.files.runs import SeveralRuns
 from swingdown.measurement.recording import ingest
 from swingdown.measurement.sheet import COLUMNS
+from swingdown.measurement.swings.continuity import check_one_series
 
 TIMES = 0.025 * np.arange(1600)
 SWING = 500 + 140 * np.exp(-0.02 * TIMES) * np.cos(2 * np.pi * TIMES / 1.4)
@@ -65,3 +66,46 @@ def test_an_axis_beside_the_one_that_turns_most_tells_how_far_askew_it_lies(tmp_
     remarks = ingest({**COLUMNS, "recording": "a", "file": str(path)}).attrs["remarks"]
     assert "`Gyroscope y (rad/s)` turns most" in remarks
     assert told in remarks if told else "askew" not in remarks
+
+
+def in_turns(folder, labels, head="sensor", columns=(SWING, 300 + 0.5 * (SWING - 500)), **cells):
+    """The recording of a file that has a row for each sensor at each time."""
+    names = np.tile(labels, TIMES.size)
+    readings = np.column_stack(columns).ravel()
+    first = [f"{name}," for name in names] if head else [""] * names.size
+    path = folder / "long.csv"
+    rows = [f"{a}{t:.3f},{b:.1f}" for a, t, b in zip(first, np.repeat(TIMES, 2), readings, strict=True)]
+    path.write_text("\n".join([f"{head + ',' if head else ''}t (s),reading", *rows, ""]))
+    return ingest({**COLUMNS, "recording": "long", "file": str(path), **cells})
+
+
+@pytest.mark.parametrize(
+    ("labels", "head"), [((1, 2), "sensor"), (("left", "right"), "object"), (("a1", "b 2"), "who")]
+)
+def test_sensors_that_take_turns_are_told_apart_whatever_they_are_called(tmp_path, labels, head):
+    with pytest.raises(SeveralRuns, match="its rows are of 2 sensors") as asked:
+        in_turns(tmp_path, labels, head)
+    assert asked.value.names == tuple(f"{head} {one}" for one in labels)
+    found = in_turns(tmp_path, labels, head, run=f"{head} {labels[1]}")
+    assert found["signal"].values[:3] == pytest.approx(300 + 0.5 * (SWING[:3] - 500), abs=0.1)
+    assert found["time"].values[:3] == pytest.approx(TIMES[:3])
+
+
+def test_of_two_in_turns_the_one_that_swings_is_taken(tmp_path):
+    found = in_turns(tmp_path, ("imu", "temp"), columns=(SWING, REST))
+    assert "`sensor imu` was taken of its sensors, as no other swings" in found.attrs["remarks"]
+    assert found.sizes["time"] == TIMES.size
+
+
+def test_series_in_turns_that_nothing_tells_apart_are_refused(tmp_path):
+    with pytest.raises(InputError, match="2 series take turns in it, row by row"):
+        in_turns(tmp_path, ("", ""), head="")
+
+
+@pytest.mark.parametrize("signal", [
+    140 * np.cos(2 * np.pi * np.arange(TIMES.size) / 260) + 10.0 * (-1) ** np.arange(TIMES.size),  # a converter's two halves differ
+    500 + 140 * np.exp(-0.002 * TIMES) * np.cos(0.97 * np.pi * np.arange(TIMES.size)),  # read about twice a swing
+    500 + 140 * np.exp(-0.002 * TIMES) * np.cos(0.66 * np.pi * np.arange(TIMES.size)),  # three times
+])  # fmt: skip
+def test_one_series_is_one(signal):
+    check_one_series(TIMES, signal, "a.csv")

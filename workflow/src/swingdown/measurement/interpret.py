@@ -35,6 +35,7 @@ from .positions import check_no_positions
 from .refused import WHICH_COLUMN
 from .signal import Interpreted, signal_of
 from .swings.clock import RESTART, counts_rows, counts_ticks, in_order, parts
+from .swings.continuity import check_one_series
 from .units import A_DAY, time_factor
 
 TWICE = 0.2  # by which the ratio of two periods may be off 2
@@ -96,6 +97,7 @@ def interpret(table: Table, row: Mapping[str, Any], place: str, restoring: str) 
             f"at least {SHORTEST}, as fewer show no swing",
             "record longer or more samples a second, widen ⟨start_s⟩ and ⟨stop_s⟩, or correct the unit of the time",
         )
+    check_one_series(times, values[0], f"{row['file']}, {place_of(names[0])} ({place})")
     ordered, factor, odd = in_order(times, values[0], where), 1.0, list[str]()
     if row["role"] != "static":
         if not columns.time_unit:

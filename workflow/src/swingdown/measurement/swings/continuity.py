@@ -7,6 +7,7 @@ from ...errors import InputError
 from ...pendulum.half_swings import half_swings, passages
 from ...quantisation import quantisation_step
 from ...rounding import again, moment
+from ..plausibility import ENOUGH, in_a_row
 from .clock import UNEVEN
 from .even import evenly
 from .gaps import missing_samples
@@ -18,6 +19,10 @@ PHASE = "the pendulum is out of step with the clock, as where samples are lost,"
 JUMP = "the signal jumps, as where samples are lost or the apparatus is knocked,"
 OUT_OF_STEP = 0.03  # of a half-swing's time; a smaller jump of the phase is not told
 JITTER = 8.0  # standard deviations of what noise does to the time of a half-swing
+SERIES = range(2, 5)  # that may take turns in one column
+APART = 0.25  # of the swing's standard deviation: a step from a row to the next of series that take turns
+SMOOTHER = 0.25  # of such a step: one from a row to the next of its own series
+TOGETHER = 0.05  # of the variance: less is in the mean of rows that follow one another where a swing is read about as often as it swings
 
 
 def check_continuous(times: Floats, signal: Floats, place: str, spikes: Spikes) -> list[str]:
@@ -54,6 +59,26 @@ def check_continuous(times: Floats, signal: Floats, place: str, spikes: Spikes) 
     if late:
         remarks.append(_told(PHASE, np.array(late)))
     return remarks
+
+
+def check_one_series(times: Floats, signal: Floats, place: str) -> None:
+    """InputError where several swings take turns in one column, row by row: each is smooth, and the rows are not."""
+    for count in SERIES:
+        rows = signal[: signal.size // count * count].reshape(-1, count)
+        if rows.shape[0] < 2 * ENOUGH:
+            return
+        step, own = (np.nanmedian(np.abs(signal[k:] - signal[:-k])) for k in (1, count))
+        if not (step > APART * np.nanstd(signal) and own < SMOOTHER * step):
+            continue
+        if np.nanvar(rows.mean(axis=1)) > TOGETHER * np.nanvar(rows) and any(
+            in_a_row(times[k::count][: rows.shape[0]], rows[:, k]) >= ENOUGH for k in range(count)
+        ):
+            raise InputError(
+                place,
+                f"{count} series take turns in it, row by row",
+                "one series",
+                "write in a column of its own which sensor each row is of, or give each sensor a column or a file",
+            )
 
 
 def _out_of_step(times: Floats, signal: Floats) -> Floats:
