@@ -259,7 +259,15 @@ def _cells(told: Mapping[str, Any]) -> dict[str, Any]:
         values = cells.get(ARGUMENTS.get(name, name), {}).get("enum", ())
         if values and told[name] not in ("", *values):
             raise InputError(f"argument {name}", f"it is {told[name]!r}", " or ".join(map(str, values)), near(told[name], values))  # fmt: skip
-    return {ARGUMENTS.get(name, name): value for name, value in told.items()}
+    return {ARGUMENTS.get(name, name): _number(name, value) if cells.get(ARGUMENTS.get(name, name), {}).get("type") == "number" else value for name, value in told.items()}  # fmt: skip
+
+
+def _number(name: str, value: Any) -> float:
+    """The value of an argument that is a number; InputError for one that is none."""
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        raise InputError(f"argument {name}", f"it is {value!r}", "a number", "write a number") from None
 
 
 def _taken(row: Mapping[str, Any], path: Path, restoring: str, told: Mapping[str, Any]) -> list[own.Taken]:

@@ -49,7 +49,9 @@ def turning_points(table: Table, row: Mapping[str, Any], place: str) -> tuple[Ta
     first, table = peeked(table, row)
     if first is None:
         return table, None
-    columns = _columns(table, row)
+    asked = (row["time_column"], row["signal_column"])
+    of_numbers = tuple(one for one in table.names if one in asked or first[one].notna().any())
+    columns = _columns(table._replace(names=of_numbers), row)
     if columns is None:
         return table, None
     values = {one: table.numbers(first, one) for one in (columns.clock.name, columns.signal.name)}
