@@ -25,7 +25,7 @@ from .choice import (
     with_running_time,
     without_still,
 )
-from .files.columns import LENGTH, SPEED, axes_beside, place_of
+from .files.columns import ANGLE, LENGTH, OF_AN_ERROR, SPEED, axes_beside, place_of
 from .files.columns import drives as moves_it
 from .files.columns import third as third_of
 from .files.runs import clock_part, several_runs
@@ -116,6 +116,7 @@ def interpret(table: Table, row: Mapping[str, Any], place: str, restoring: str) 
         *told,
         *ordered.remarks,
         *odd,
+        *_passed_over(table, columns, row, read),
     ]
     if alike:
         ask_which(times, dict(zip([*names, *alike], values, strict=True)), f"{row['file']} ({place})")
@@ -144,6 +145,24 @@ def interpret(table: Table, row: Mapping[str, Any], place: str, restoring: str) 
         read=_read(table, columns, told_unit, made.times, "pivot_x" in made.about),
         input_unit=_written(table, drives[0]) if drives else "", guessed=not row["signal_column"] and guessed_in(table),
     )  # fmt: skip
+
+
+def _passed_over(table: Table, columns: Chosen, row: Mapping[str, Any], read: list[str]) -> list[str]:
+    """A remark on the columns of angles that were not taken, for the first was; none where the sheet names one."""
+    (swing, *more) = columns.found
+    others = [
+        one.name
+        for one in table.meanings
+        if (one.kind, one.unit) == (swing.kind, swing.unit) == (ANGLE, one.unit)
+        and one.name not in read
+        and not (moves_it(one.name) or OF_AN_ERROR.search(one.name.replace("_", " ")))
+    ]
+    if more or row["signal_column"] or not others:
+        return []
+    also = ", ".join(f"`{name}`" for name in others)
+    return [
+        f"`{swing.name}` was taken, the first column of angles, and not {also} (⟨signal_column⟩ says otherwise)"
+    ]
 
 
 def _written(table: Table, column: str) -> str:

@@ -78,6 +78,10 @@ _ACCELERATES = re.compile(
 )
 _TURNS = re.compile(r"(?i)\b(velocity|rate|gyro\w*|omega|w[xyz])\b|ω")
 _FIELD = re.compile(r"(?i)\b(compass|magnetometer|mag)\b")  # its x and y are no positions
+# a column of uncertainties
+OF_AN_ERROR = re.compile(
+    r"(?i)\b(d[xytaθ]|[xyta]?_?err(or)?s?|unc(ert(ainty|ainties)?)?|sigma|sd|std)\b|[xyta]err\b|±|σ|δ"
+)
 _HUMP = re.compile("(?<=[a-z])(?=[A-Z][a-z])")  # of `SampleTime`
 _POINT = re.compile(r"(?i)([xy])[ _]?(\d)")
 _SIZE_ALONE = re.compile(r"(?i)\b(abs|absolute|magnitude|norm|total|betrag)\b")

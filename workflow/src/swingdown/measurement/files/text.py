@@ -15,6 +15,8 @@ LONGEST = 1 << 20  # bytes of a line: that of an office program's widest sheet, 
 _QUOTED = re.compile(rb"'(?<![^\n,;\t\" ]')([-+.]?\d[-+.,:\deE]*)'?(?![^\n,;\t\" ])")
 _ROW = re.compile(rb'(?m)^"([^"\n]*[,;\t][^"\n]*)"$')  # a row that was taken for one cell
 _FORTRAN = re.compile(rb"[dD](?<=[\d.].)(?=[-+]\d)")  # its sign of an exponent: `0.35D+00`
+# a minus as programs write it in some countries, and the dash that word processors make of it
+_MINUS = re.compile(rb"\xe2\x88\x92(?=[\d.,])|(?<![\w.)])\xe2\x80\x93(?=[\d.,])")
 FOREIGN = {
     b"\x89PNG": ("a PNG picture", "export the table of numbers, not its picture"),
     b"\xff\xd8\xff": ("a JPEG picture", "export the table of numbers, not its picture"),
@@ -96,7 +98,8 @@ def pieces_of(source: BinaryIO, encoding: str, name: str) -> Iterator[tuple[int,
             text += b"\n"
         cut = text.rfind(b"\n") + 1
         if cut:
-            yield line, _FORTRAN.sub(b"E", _ROW.sub(rb"\1", _QUOTED.sub(rb"\1", text[:cut])))
+            whole = _MINUS.sub(b"-", text[:cut])
+            yield line, _FORTRAN.sub(b"E", _ROW.sub(rb"\1", _QUOTED.sub(rb"\1", whole)))
             line += text.count(b"\n", 0, cut)
         rest = text[cut:] + half
         if len(rest) > LONGEST:

@@ -12,7 +12,7 @@ import xarray as xr
 
 from ...arrays import Floats
 from ...errors import InputError
-from ..files.columns import ANGLE, LENGTH, TIME, UNNAMED, UNTOLD, Meaning, choose, place_of
+from ..files.columns import ANGLE, LENGTH, OF_AN_ERROR, TIME, UNNAMED, UNTOLD, Meaning, choose, place_of
 from ..files.source import Table
 from ..files.table import numbers
 from ..sheet import TIME_UNITS
@@ -22,9 +22,6 @@ from .turning_points import PASSAGES, PERIODS, SWING, Points, points_in
 _MOST = 100_000  # rows: of a file with more each is a sample
 _NUMBER = re.compile(
     r"(?i)^(n|no|nr|num|number|#|k|i|index|swings?|oscillations?|peaks?|cycles?|count|schwingung(en)?)( (no|nr|number|#))?\.?$"
-)
-_ERROR = re.compile(
-    r"(?i)\b(d[xytaθ]|[xyta]?_?err(or)?s?|unc(ert(ainty|ainties)?)?|sigma|sd|std)\b|[xyta]err\b|±|σ|δ"
 )
 
 
@@ -109,7 +106,7 @@ def _again(
 def _columns(table: Table, row: Mapping[str, Any]) -> Columns | None:
     """The columns that may be turning points; None where the file has none, or positions."""
     found = [table.meaning(name) for name in table.names if not name.startswith(UNNAMED)]
-    usable = [one for one in found if not _ERROR.search(one.name.replace("_", " "))]
+    usable = [one for one in found if not OF_AN_ERROR.search(one.name.replace("_", " "))]
     stated = row["time_unit"], row["signal_unit"]
     try:
         clock, chosen = choose(
