@@ -11,13 +11,13 @@ import re
 NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 
 
-def held(path, names, name, now, changed=None):
-    """Asserts that one of the ``names`` is what a file holds of it, or writes it there; ``changed`` yields in words what is not (default: by keys)."""
+def held(path, names, name, now, indent=None):
+    """Asserts that one of the ``names`` is what a file holds of it, or writes it there: in one line, or in many (``indent``)."""
     if os.environ.get("FROZEN_WRITE"):
-        return _write(path, names, name, now)
+        return _write(path, names, name, now, indent)
     known = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
     assert name in known, f"{name}: not frozen yet; FROZEN_WRITE=1 freezes it"
-    lines = list((changed or by_keys)(now, known[name]))
+    lines = list(by_keys(now, known[name]))
     assert not lines, "\n".join([f"{name}: where this is meant, write it anew with FROZEN_WRITE=1", *lines])
 
 
@@ -44,16 +44,14 @@ def unit(number):
     return 10.0 ** (int(power or 0) - len(digits.partition(".")[2]))
 
 
-def _write(path, names, name, now):
-    """A name's line put into the file, beside what other processes write at the same time."""
+def _write(path, names, name, now, indent):
+    """What a name has put into the file, beside what other processes write at the same time."""
     with path.open("a+", encoding="utf-8") as file:
         fcntl.flock(file, fcntl.LOCK_EX)
         file.seek(0)
-        known = json.loads(file.read() or "{}") | {name: now}
+        found = json.loads(file.read() or "{}") | {name: now}
         file.truncate(0)
-        rows = [
-            f"{json.dumps(key)}: {json.dumps(known[key], ensure_ascii=False)}"
-            for key in names
-            if key in known
-        ]
-        file.write("{\n" + ",\n".join(rows) + "\n}\n")
+        told = {
+            key: json.dumps(found[key], ensure_ascii=False, indent=indent) for key in names if key in found
+        }
+        file.write("{\n" + ",\n".join(f"{json.dumps(key)}: {one}" for key, one in told.items()) + "\n}\n")

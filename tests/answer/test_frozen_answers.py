@@ -176,7 +176,7 @@ def rows(path):
     """The first, middle and last row of a table, numbers to four digits; a chance far below one in a billion is 0."""
     found = pd.read_csv(path)
     chosen = found.iloc[sorted({0, len(found) // 2, len(found) - 1} & set(range(len(found))))]
-    return [[f"{one if abs(one) > 1e-12 else 0:.4g}" if isinstance(one, float) else str(one) for one in row] for row in chosen.values.tolist()]  # fmt: skip
+    return [[f"{0 if abs(one) < 1e-12 else one:.4g}" if isinstance(one, float) else str(one) for one in row] for row in chosen.values.tolist()]  # fmt: skip
 
 
 def told(capsys, arguments):
@@ -194,4 +194,4 @@ def told(capsys, arguments):
 @pytest.mark.parametrize("name", INPUTS)
 def test_the_answer_is_what_it_was(name, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    held(FROZEN, INPUTS, name, told(capsys, INPUTS[name](tmp_path)))
+    held(FROZEN, INPUTS, name, told(capsys, INPUTS[name](tmp_path)), indent=1)
