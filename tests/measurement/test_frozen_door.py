@@ -184,6 +184,8 @@ FILES = {
     "one of two runs": ("a.csv", text(("Run 1: Time (s)", "Run 1: Angle (deg)", "Run 2: Time (s)", "Run 2: Angle (deg)"), T, DEG, T, 0.6 * DEG), {"run": "Run 2"}),
     "across the page": ("a.csv", b"\n".join(head + b"," + b",".join(f"{one:.3f}".encode() for one in row) for head, row in ((b"t (s)", T), (b"angle (deg)", DEG))) + b"\n", {}),
     "worded lines": ("a.txt", "".join(f"t={a:.3f} s angle: {b:.3f} deg\n" for a, b in zip(T, DEG, strict=True)).encode(), {}),
+    "units in the cells": ("a.csv", b"t,angle\n" + "".join(f"{a:.3f} s,{b:.3f} deg\n" for a, b in zip(T, DEG, strict=True)).encode(), {}),
+    "degrees in the cells": ("a.csv", b"t (s),angle\n" + "".join(f"{a:.3f},{b:.3f}\u00b0\n" for a, b in zip(T, DEG, strict=True)).encode(), {}),
     "lines of JSON": ("a.txt", "".join(json.dumps({"t": round(a, 3), "angle_deg": round(b, 3)}) + "\n" for a, b in zip(T, DEG, strict=True)).encode(), {}),
     "columns of JSON": ("a.json", json.dumps({"time_s": T.round(3).tolist(), "angle_deg": DEG.round(3).tolist()}).encode(), {}),
     "numbered sensors": ("a.csv", rows(("pin", "t (ms)", "angle (deg)"), np.tile([1, 2], T.size), np.repeat((1e3 * T).round(), 2), np.column_stack([DEG, 0.2 * DEG]).ravel().round(3)), {}),

@@ -1,4 +1,4 @@
-"""Lines that say before each number what it is, as a board prints them or a log in JSON has them: ``t=0.02 angle: 12.3 deg``."""
+"""Lines that say beside each number what it is, as a board prints them or a log in JSON has them: ``t=0.02 angle: 12.3 deg``, ``0.02 s, 12.3°``."""
 
 import csv
 import io
@@ -117,5 +117,6 @@ def _names(wording: tuple[str, ...]) -> list[str]:
             name = f"{words[1]} {name}"
             if known:
                 found = [f"{one} ({known[1]})" if one.startswith(f"{words[1]} ") else one for one in found]
-        found.append(f"{name} ({known[1]})" if name and known else name)
+        name = name or (f"column {len(found) + 1}" if known else "")
+        found.append(f"{name} ({known[1]})" if known else name)
     return found
