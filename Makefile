@@ -1,6 +1,6 @@
 # make            set up .venv and run the study (the paper's tables, figures and report appear in results/)
 # make start FILE=my-swing.csv   from a recording, or a folder of them, to what damps the pendulum and what a model of it lacks; or FILE=mine.yaml, a study of your own
-# make quick      format, lint, types, imports, units, thirty frozen verdicts and eighteen answers: what to run before each commit (some minute)
+# make quick      format, lint, types, imports, units, thirty frozen verdicts, eighteen answers and eighty files: what to run before each commit (some minute)
 # make test       set up .venv and run the tests; make test-all runs the slow ones too
 # make sanitize   run the engine's tests with its C checked for errors of memory and undefined behaviour (ASan, UBSan; some minutes)
 # make certified  compute published cases with known answers (NIST, GUM, York, ISO/TS 28037): results/trust/certified.csv
@@ -72,7 +72,7 @@ IMPORT_ALL := import importlib, pkgutil, swingdown; \
 QUICK := $(addprefix tests/, answer/test_frozen_answers.py test_imports.py test_lint.py test_types.py test_dataset.py test_quantisation.py test_rounding.py test_schema.py \
   discovery/test_frozen.py discovery/test_losses.py discovery/test_verdict.py engine/test_elementary.py engine/test_refusals.py engine/test_sticking.py engine/test_trajectory.py \
   fitting/test_covariance.py fitting/test_fit.py fitting/test_guess.py fitting/test_nelder_mead.py fitting/test_starts.py \
-  measurement/test_angle.py measurement/test_bounds.py measurement/test_recording.py measurement/test_sheet.py measurement/test_straight_line.py \
+  measurement/test_angle.py measurement/test_bounds.py measurement/test_frozen_door.py measurement/test_recording.py measurement/test_sheet.py measurement/test_straight_line.py \
   pendulum/test_formula.py pendulum/test_model.py)
 
 quick: $(READY)

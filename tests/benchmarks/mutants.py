@@ -3,7 +3,7 @@
 A mutant is a copy of the package in which one comparison, sign, number or condition of a module is another. The closest tests are the
 files of its room that are named after the module; else those of its room that import it; else those of other rooms that do, and those
 of its room that are closest to the modules that do. A mutant that leaves them green survives: either a test lacks an assertion,
-or the change changes nothing that a user would notice. What survives is tried by the frozen answers and verdicts as well, which are the
+or the change changes nothing that a user would notice. What survives is tried by the frozen files, answers and verdicts as well, which are the
 package's as a whole. It exits with the share that survives above a tenth. ``list`` shows them untried.
 """
 
@@ -22,7 +22,7 @@ from swingdown.planning.sources import imported
 ROOT = Path(__file__).resolve().parents[2]
 SOURCE = ROOT / "workflow/src"
 LEFT_OUT = ("__init__", "__main__")
-WHOLE = [ROOT / "tests" / path for path in ("answer/test_frozen_answers.py", "discovery/test_frozen.py")]
+WHOLE = [ROOT / "tests" / path for path in ("measurement/test_frozen_door.py", "answer/test_frozen_answers.py", "discovery/test_frozen.py")]
 _GREEN = (0, 5)  # codes of pytest: all passed, or none were to run
 LONGEST = 900  # s that the tests of a mutant may take; one that never ends is noticed
 OTHER = {
