@@ -22,7 +22,7 @@ from .table import WHOLE, Table, prefixed
 from .text import HEAD, charset, encoding, pieces_of
 from .worded import reworded
 
-_BRACKETED = re.compile(r"^[ \t]*[(\[]([^()\[\]\n]*)[)\]][ \t,;]*\r?$", re.MULTILINE)
+_BRACKETED = re.compile(r"^[ \t]*[(\[]{1,2}([^()\[\]\n]*)[)\]]{1,2}[ \t,;]*\r?$", re.MULTILINE)
 _MOSTLY = 0.9  # of the rows; notes stand above and below
 # as oscilloscopes and LabVIEW state above or beside the rows what they measured
 _VOLTS = re.compile(r"(?i)^\s*(?:vertical[ _]units?|y[ _]unit[ _]label)[,;:\t ]+(?:ch\d:)?v(?:olts?)?\b")

@@ -15,7 +15,7 @@ from .table import MISSING, numbers
 
 # In this order: where two fit equally well, the first is taken.
 DIALECTS = (
-    (",", "."), ("\t", "."), (";", "."), ("\t", ","), (";", ","), (SPACES, "."), (SPACES, ","), (",", ","),
+    (",", "."), ("\t", "."), (";", "."), ("\t", ","), (";", ","), (SPACES, "."), (SPACES, ","), (",", ","), ("|", "."), ("|", ","),
 )  # fmt: skip
 LOOKED_AT = 400  # lines from which the dialect is told
 MOST_COLUMNS = 16384  # as many as an office program has
