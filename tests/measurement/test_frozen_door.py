@@ -5,6 +5,7 @@ them anew, and the diff shows what it did.
 """
 
 import csv
+import gzip
 import io
 import json
 import zipfile
@@ -201,6 +202,8 @@ FILES = {
     "a workbook": ("a.xlsx", workbook(DEGREES, T, DEG, more=("notes",)), {}),
     "an archive": ("a.zip", archive(swing=text(DEGREES, T, DEG)), {}),
     "an archive of two": ("a.zip", archive(one=text(DEGREES, T, DEG), two=text(DEGREES, T, 0.5 * DEG)), {}),
+    "packed by gzip": ("a.csv.gz", gzip.compress(text(DEGREES, T, DEG), mtime=0), {}),
+    "packed by gzip, cut": ("a.csv.gz", gzip.compress(text(DEGREES, T, DEG), mtime=0)[:2000], {}),
     "npz": ("a.npz", saved(np.savez, time_s=T, angle_rad=A), {}),
     "MATLAB": ("a.mat", matlab(t=T, theta=A), {"unit": "rad"}),
     "a form that is not read": ("a.pdf", b"%PDF-1.4\n", {}),

@@ -30,7 +30,7 @@ from ..paths import printable, safe_name, write_csv, write_text
 from ..pendulum.model import everyday
 
 # What of a folder is given to the readers; they tell of each that they cannot use why.
-ENDINGS = (".csv", ".tsv", ".txt", ".dat", ".xlsx", ".xls", ".ods", ".zip", *READERS, *CLOSED, *NETCDF)
+ENDINGS = (".csv", ".tsv", ".txt", ".dat", ".xlsx", ".xls", ".ods", ".zip", ".gz", *READERS, *CLOSED, *NETCDF)
 _PICTURES = (".png", ".jpg", ".jpeg", ".gif", ".svg", ".heic", ".bmp", ".tif", ".tiff", ".webp", ".pdf")
 SHEET, CONFIG, LEFT_OUT = "recordings.csv", "study.yaml", "left_out.csv"
 SUFFIX = "-swingdown"  # of a study's folder, after the file that it is of

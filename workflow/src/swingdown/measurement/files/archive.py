@@ -1,5 +1,6 @@
-"""Tables inside other files: a sheet of a workbook (Excel, OpenDocument) as text, a file in a zip archive (phyphox)."""
+"""Tables inside other files: a sheet of a workbook (Excel, OpenDocument) as text, a file in a zip archive (phyphox), or one that is packed alone."""
 
+import gzip
 import io
 import re
 import shutil
@@ -9,10 +10,10 @@ import zlib
 from typing import BinaryIO, NamedTuple
 
 from ...errors import InputError
-from .text import HEAD
+from .text import HEAD, PIECE
 from .workbook import sheet
 
-ZIP, OLD = b"PK\x03\x04", b"\xd0\xcf\x11\xe0"
+ZIP, OLD, GZIP = b"PK\x03\x04", b"\xd0\xcf\x11\xe0", b"\x1f\x8b"
 FEWEST_ROWS = 10  # of numbers in a sheet that holds a recording
 _NUMBER = re.compile(rb"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
 LARGEST = 500_000_000  # bytes, unpacked: a workbook is held whole
@@ -44,6 +45,8 @@ def unpacked(source: BinaryIO, name: str, part: str) -> Inside | None:
     """
     head = source.read(4)
     source.seek(0)
+    if head.startswith(GZIP):
+        return _alone(source, name)
     if head not in (ZIP, OLD):
         return None
     if head == ZIP:
@@ -70,6 +73,24 @@ def unpacked(source: BinaryIO, name: str, part: str) -> Inside | None:
         _check_size(name, "the workbook", size, "save the sheet as CSV, which is read in pieces")
     source.seek(0)
     return _sheet(source, name, part)
+
+
+def _alone(source: BinaryIO, name: str) -> Inside:
+    """The file that gzip packed, as far as it can be held."""
+    inside, copy = name[:-3] if name.lower().endswith(".gz") else name, tempfile.TemporaryFile()  # noqa: SIM115 - closed with the last reference
+    try:
+        with gzip.GzipFile(fileobj=source) as packed:
+            while piece := packed.read(PIECE):
+                copy.write(piece)
+                _check_size(
+                    name, "the file in it", copy.tell(), "unpack it: a CSV file by itself is read in pieces"
+                )
+    except (OSError, EOFError, zlib.error) as error:
+        raise InputError(
+            name, f"it cannot be unpacked ({error})", "a whole file that gzip packed", "pack it again"
+        ) from error
+    copy.seek(0)
+    return Inside(copy, "unpacked", inside if inside.lower().endswith(OTHERS) else "")
 
 
 def _holds_numbers(rows: bytes, between: bytes = rb"\t") -> bool:
