@@ -1,5 +1,7 @@
 """Period, quality and decay time: of pendulums for which they can be worked out by hand, and with uncertainties that hold."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy.special import ellipk
@@ -207,3 +209,13 @@ def test_a_value_near_its_bound_leaves_the_period_known():
     within = quantities(model.with_values(model.values | {"presliding_angle": 2.5e-5}), 0.5, covariance)
     assert at_its_bound["period"].u == pytest.approx(within["period"].u, rel=0.5)
     assert at_its_bound["quality"].u == pytest.approx(within["quality"].u, rel=0.1)
+
+
+def test_a_loss_that_nothing_tells_is_no_number_without_a_warning():
+    """Free courses that would move the decay time by a thousand powers of ten: no value, and nothing that a user would have to read."""
+    model = pendulum("viscous", viscous_ratio=1e-6)
+    whole = np.diag([1e-8, 1e-12, 1e-8, 1e-8, 1e-2, 1e-2])
+    beside = SimpleNamespace(covariance=whole, shift=np.array([0.0, 0.0, 0.0, 0.0, 2e3, 2e3]))
+    found = quantities(model, 0.3, whole[:2, :2], beside)
+    assert not np.isfinite(found["decay_time"].value) and np.isnan(found["decay_time"].uncertainty)
+    assert found["period"].value == pytest.approx(2 * np.pi / OMEGA, rel=1e-6)
