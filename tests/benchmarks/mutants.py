@@ -22,7 +22,14 @@ from swingdown.planning.sources import imported
 ROOT = Path(__file__).resolve().parents[2]
 SOURCE = ROOT / "workflow/src"
 LEFT_OUT = ("__init__", "__main__")
-WHOLE = [ROOT / "tests" / path for path in ("measurement/test_frozen_door.py", "answer/test_frozen_answers.py", "discovery/test_frozen.py")]
+WHOLE = [
+    ROOT / "tests" / path
+    for path in (
+        "measurement/test_frozen_door.py",
+        "answer/test_frozen_answers.py",
+        "discovery/test_frozen.py",
+    )
+]
 _GREEN = (0, 5)  # codes of pytest: all passed, or none were to run
 LONGEST = 900  # s that the tests of a mutant may take; one that never ends is noticed
 OTHER = {

@@ -117,6 +117,28 @@ def test_a_spring_that_softens_as_a_weight_does_is_tied_with_it(stiffness):
 
 
 @pytest.mark.slow("many trajectories")
+def test_what_a_tied_effect_is_nearly_is_tied_too():
+    """A weight taken for a spring: another effect is tied with a cubic spring that softens as the weight does, and so with the weight."""
+    one = swings((), angles=(0.3, -0.25, 0.2, 0.15))
+    base, cubic, other = (
+        fit_jointly(Model(label, restoring="linear"), [swing.pair for swing in one.fit], bounded=True)
+        for label in ("viscous", "viscous+cubic_stiffness", "viscous+sensor_curvature")
+    )
+    pool = Pool(one, NOISE, base)
+    for fit in (cubic, other):
+        pool.look(fit)
+    for key, evidence in (
+        (("viscous",), -50.0),
+        (("viscous", "cubic_stiffness"), -1.0),
+        (("viscous", "sensor_curvature"), 0.0),
+    ):
+        pool.known[frozenset(key)] = replace(
+            pool.known[frozenset(key)], plain=evidence - 100, unnamed=evidence
+        )
+    assert judged(pool, pool.best)["sensor_curvature"].ties == ("cubic_stiffness", "finite_amplitude")
+
+
+@pytest.mark.slow("many trajectories")
 def test_a_brake_narrower_than_a_brake_can_be_is_not_told():
     """A brush at the very bottom, of which it leaves next to nothing: the fit ends at the bound of the brake's width."""
     one = swings(("friction_patch",), patch_friction=0.6, patch_from=-0.004, patch_to=0.004)
@@ -186,6 +208,28 @@ def test_a_friction_is_told_though_its_law_has_no_name():
     last, found = told_of(pool, pool.best)
     finding = found["constant_coulomb"]
     assert last.key == named and finding.sure and finding.law_open and finding.probability > 0.999
+
+
+@pytest.mark.slow("many trajectories")
+@pytest.mark.parametrize(("behind", "told"), [(1.5, True), (4.0, False)])
+def test_of_laws_that_are_as_probable_one_that_leaves_little_is_told(monkeypatch, behind, told):
+    """Quadratic drag beside structural damping, which is the more probable and leaves most of what is missing: of a law that is possible, and
+    leaves nothing, the tie is told; of one that is improbable nothing is. No envelope shows either."""
+    monkeypatch.setattr(Pool, "envelope", lambda *_: NOT_SEEN)
+    one = swings(("quadratic_drag",), quadratic_coefficient=0.02)
+    pool = Pool(one, NOISE, fitted(one, "viscous"))
+    evidences = {"structural_damping": 0.0, "quadratic_drag": -behind}
+    for added, evidence in evidences.items():
+        pool.look(fitted(one, f"viscous+{added}"))
+        key = frozenset(("viscous", added))
+        pool.known[key] = replace(pool.known[key], plain=evidence - 100, unnamed=evidence)
+    pool.known[pool.base] = replace(pool.first, plain=-1e3, unnamed=-50.0)
+    last, found = told_of(pool, pool.best)
+    assert pool.added(pool.best.key) == ["structural_damping"]
+    assert any(finding.sure for finding in found.values()) is told
+    if told:
+        assert pool.added(last.key) == ["quadratic_drag"]
+        assert found["quadratic_drag"].ties == ("structural_damping",)
 
 
 @pytest.mark.slow("many trajectories")

@@ -307,3 +307,29 @@ def test_what_is_told_alone_is_as_probable_as_it_is_alone(spring):
     alone, both = (next(one for key, one in pool.known.items() if len(key) == size) for size in (2, 3))
     assert judged(pool, both)["cubic_stiffness"].probability > 0.99
     assert judged(pool, alone, both)["cubic_stiffness"].probability < 0.01
+
+
+def test_what_was_left_out_beside_an_effect_is_no_rival_of_it(spring):
+    """A torque that is in every structure, and is not told for it takes away too little, is tied with nothing in its place."""
+    added = (
+        "cubic_stiffness",
+        "constant_torque",
+        "constant_torque+quadratic_stiffness",
+        "constant_torque+cubic_stiffness",
+    )
+    pool = pooled(spring, "viscous", *(f"viscous+{one}" for one in added))
+    evidences = {
+        (): -50.0,
+        ("constant_torque",): -50.0,
+        ("cubic_stiffness",): -2.0,
+        ("constant_torque", "quadratic_stiffness"): -1.0,
+    }
+    for key, one in pool.known.items():
+        pool.known[key] = replace(
+            one, plain=evidences.get(tuple(sorted(pool.added(key))), 0.0), unnamed=-99.0
+        )
+    alone, both = (
+        next(one for one in pool.known.values() if set(pool.added(one.key)) == added)
+        for added in ({"cubic_stiffness"}, {"constant_torque", "cubic_stiffness"})
+    )
+    assert judged(pool, alone, both)["cubic_stiffness"].ties == ("quadratic_stiffness",)

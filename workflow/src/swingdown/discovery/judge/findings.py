@@ -87,9 +87,29 @@ def judged(pool: Pool, best: Structure, most: Structure | None = None) -> dict[s
 
 
 def told_of(pool: Pool, best: Structure) -> tuple[Structure, dict[str, Finding]]:
-    """(the structure that is told, the ``Finding`` of each effect that it adds): the best one without the effects that take away too
-    little of what is missing, of fitted swings or of held-out ones, if some effect is told then; else the best one. A friction that is
-    sure without being named has the most probable structure that names one."""
+    """(the structure that is told, the ``Finding`` of each effect that it adds): the best one, or where nothing is told of it the most
+    probable one that is possible and has for one of its effects another that this one is tied with, if something is told then: of names
+    that the data do not tell apart the best may leave the most."""
+    first = _told_of(pool, best)
+    if any(one.sure for one in first[1].values()):
+        return first
+    alike = {_with(best.key, name, tie) for name, one in judged(pool, best).items() for tie in one.ties}
+    possible = best.evidence + np.log(pool.criterion.possible)
+    others = [
+        one
+        for key, one in pool.known.items()
+        if key in alike and one.evidence >= possible and pool.follows(one.fit)
+    ]
+    for one in sorted(others, key=lambda one: -one.evidence):
+        told = _told_of(pool, one)
+        if any(finding.sure for finding in told[1].values()):
+            return told
+    return first
+
+
+def _told_of(pool: Pool, best: Structure) -> tuple[Structure, dict[str, Finding]]:
+    """The same of one structure, without the effects that take away too little of what is missing, of fitted swings or of held-out ones,
+    if some effect is told then. A friction that is sure without being named has the most probable structure that names one."""
     most, best = best, _naming(pool, best)
     whole = found = judged(pool, best)
     if most is not best:  # beside a damping that is sure without a name, nothing is surer than it was
@@ -162,7 +182,11 @@ def _finding(pool: Pool, named: Pool, best: Structure, name: str, alike: Sequenc
     simpler = _simpler(pool, best, name, alike)
     same = {name, *simpler, *_at_its_values(pool, best, name)}
     # what the structure has beside it is there with or without it: no rival
-    others = {one for key in named.known for one in named.added(key)} - same - best.key
+    others = (
+        {one for key in named.known for one in named.added(key)}
+        - same
+        - frozenset().union(*(each.key for each in alike))
+    )
     ties = simpler
     chance = named.of(same)
     while chance < pool.criterion.probable and len(ties) + 1 < pool.criterion.ties and others:
@@ -172,7 +196,17 @@ def _finding(pool: Pool, named: Pool, best: Structure, name: str, alike: Sequenc
         ties.append(nearest)
         others.discard(nearest)
         chance = named.of([*same, *ties])
+    ties += _nearly_the_tied(pool, best, name, ties)[: pool.criterion.ties - 1 - len(ties)]
     return _asked(pool, best, name, [name], Finding(chance, tuple(ties)))
+
+
+def _nearly_the_tied(pool: Pool, best: Structure, name: str, ties: Sequence[str]) -> list[str]:
+    """What those that an effect is tied with are nearly, each in the place of the effect: a cubic spring that softens as a weight does."""
+    there = {one: pool.known[key] for one in ties if (key := _with(best.key, name, one)) in pool.known}
+    found = [simpler for one, structure in there.items() for simpler in _nearly_in(structure, one)]
+    return [
+        one for one in dict.fromkeys(found) if one not in (name, *ties) and one not in best.key | pool.base
+    ]
 
 
 def _as_one(
