@@ -12,8 +12,8 @@ from swingdown.pendulum.model import Model
 from swingdown.studies.described import described_by, rivals, weights
 from swingdown.studies.experiment import fit_campaign, fit_recording
 from swingdown.studies.norms import combine_recordings
-from swingdown.studies.pendulums import NOT_DYING, by_verdict, pendulums, quantities_of
-from swingdown.studies.quantities import quantities
+from swingdown.studies.pendulums import NOT_DYING, by_verdict, cells_of, pendulums, quantities_of
+from swingdown.studies.quantities import Quantity, quantities
 from swingdown.studies.words import short
 
 FITTED = ["viscous", "load_coulomb", "viscous+load_coulomb"]
@@ -254,3 +254,20 @@ def test_a_verdict_alone_has_its_period_and_quality(status):
     }
     conclusion = {"quantities": quantities, "amplitude_rad": 0.3, "model": "viscous", "residual": 1e-3}
     assert short({}, {"status": status, "conclusion": conclusion}) == "T = 0.87250(30) s, Q = 59.80(70)"
+
+
+def test_what_the_search_sees_going_on_has_no_loss_in_the_first_answer():
+    """One law gives what another takes, and their quality of 800 000 is above three standard errors."""
+    row = {
+        "campaign": "a",
+        "recording": "a",
+        "model": "viscous+load_coulomb",
+        "or_model": "",
+        "model_probability": 0.5,
+    }
+    row |= cells_of("period", Quantity(6.3, 0.08, "s")) | cells_of("quality", Quantity(8e5, 2.5e5, "1"))
+    verdict = {"status": "unknown", "conclusion": None}
+    assert by_verdict(row, verdict) == row
+    told = by_verdict(row, verdict | {"dies_away": False})
+    assert told["model"] == NOT_DYING and told["period_s_text"] == row["period_s_text"]
+    assert not [column for column in told if column.startswith(("quality", "or_model"))]

@@ -300,9 +300,11 @@ def joined(*remarks: str) -> str:
 
 def by_verdict(row: Mapping[str, Any], verdict: Mapping[str, Any]) -> dict[str, Any]:
     """The row with the quantities of the model that the search ended with, fitted to the whole of every recording, in place of those
-    of a model of damping; as it is where the search has none, or established nothing: what imitates has no values. Nor has swings that do
-    not die away a loss by a model that something is missing from."""
+    of a model of damping; as it is where the search has none, or established nothing: what imitates has no values. Nor have swings that do
+    not die away, as the search sees them, a loss, by whichever model."""
     concluded = verdict.get("conclusion")
+    if not verdict.get("dies_away", True):
+        row = _of_what_is_seen(dict(row), keeps_on=True)
     open_still = REMAINING if row.get("model") == NOT_DYING else {Status.UNKNOWN}
     if not concluded or verdict["status"] in open_still:
         return dict(row)
