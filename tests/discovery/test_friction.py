@@ -91,12 +91,15 @@ def test_a_drag_is_told_though_the_pivot_shakes():
 
 @pytest.mark.slow("many trajectories")
 def test_a_brake_that_may_be_as_wide_as_the_swing_is_tied_with_the_uniform_one():
-    one = swings((), viscous_ratio=0.02)
+    one = swings(("eddy_brake",), viscous_ratio=0.0, eddy_coefficient=0.28, eddy_width=2.0)
     pool = Pool(one, NOISE, fitted(one, "constant_coulomb"))
     pool.look(fitted(one, "constant_coulomb+eddy_brake"))
     best = pool.known[frozenset(("constant_coulomb", "eddy_brake"))]
-    values, errors = best.fit.model.values, best.fit.model.standard_errors
-    assert values["eddy_width"] < 2 * errors["eddy_width"] * best.widened["eddy_width"]
+    assert "viscous" not in judged(pool, best)["eddy_brake"].ties
+    # as where what is missing leaves the width open
+    best = replace(
+        best, plain=-1e3, lacks=replace(best.lacks, widened=best.lacks.widened | {"eddy_width": 30.0})
+    )
     assert "viscous" in judged(pool, best)["eddy_brake"].ties
 
 
