@@ -1,6 +1,6 @@
 # make            set up .venv and run the study (the paper's tables, figures and report appear in results/)
 # make start FILE=my-swing.csv   from a recording, or a folder of them, to what damps the pendulum and what a model of it lacks; or FILE=mine.yaml, a study of your own
-# make quick      format, lint, types, imports, units, thirty frozen verdicts, eighteen answers and eighty files: what to run before each commit (some minute)
+# make quick      format, lint, types, imports, units, frozen verdicts, answers and files: what to run before each commit (some minute)
 # make test       set up .venv and run the tests; make test-all runs the slow ones too
 # make sanitize   run the engine's tests with its C checked for errors of memory and undefined behaviour (ASan, UBSan; some minutes)
 # make certified  compute published cases with known answers (NIST, GUM, York, ISO/TS 28037): results/trust/certified.csv

@@ -2,7 +2,7 @@
 is seen here.
 
 The second pendulum makes the swings. ``frozen_answers.json`` holds the lines and the tables; after a change that is meant, ``FROZEN_WRITE=1 make quick
-TESTS="tests/answer/test_frozen_answers.py -n0"`` writes them anew, and the diff shows what it did.
+TESTS="tests/answer/test_frozen_answers.py"`` writes them anew, and the diff shows what it did.
 """
 
 from pathlib import Path
@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from frozen import held
+from frozen import by_a_digit, held
 
 from swingdown.__main__ import main
 from swingdown.pendulum.half_swings import lengthening
@@ -194,4 +194,4 @@ def told(capsys, arguments):
 @pytest.mark.parametrize("name", INPUTS)
 def test_the_answer_is_what_it_was(name, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    held(FROZEN, INPUTS, name, told(capsys, INPUTS[name](tmp_path)), indent=1)
+    held(FROZEN, INPUTS, name, told(capsys, INPUTS[name](tmp_path)), by_a_digit, indent=1)

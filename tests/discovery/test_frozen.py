@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from frozen import held
+from frozen import held, unrounded
 
 import swingdown
 from swingdown_trials.second_pendulum import BELOW_NOISE, trajectory
@@ -86,7 +86,7 @@ def swings(
 
 
 def found(hidden, values, releases, special):
-    """What is frozen of a campaign's verdict."""
+    """What is frozen of a campaign's verdict, its numbers not yet rounded."""
     times, readings = swings(hidden, values, releases, **special)
     answer = swingdown.explain(
         times,
@@ -102,13 +102,19 @@ def found(hidden, values, releases, special):
         "status": told["status"],
         "effects": {one["name"]: one["tied_with"] for one in told["effects"]},
         "stand_ins": [one["name"] for one in told["stand_ins"]],
-        "gap": f"{told['gap']['holdout'][-1]:.2f}",
-        "period_s": f"{period:#.5g}",
-        "period_s_u": f"{error:#.2g}",
+        "gap": told["gap"]["holdout"][-1],
+        "period_s": period,
+        "period_s_u": error,
     }
+
+
+def rounded(one):
+    """Gaps to 0.01, periods to five digits, uncertainties to two."""
+    digits = {"gap": ".2f", "period_s": "#.5g", "period_s_u": "#.2g"}
+    return one | {key: f"{one[key]:{form}}" for key, form in digits.items()}
 
 
 @pytest.mark.filterwarnings("ignore::swingdown.engine.trajectory.TrajectoryWarning")
 @pytest.mark.parametrize("name", CAMPAIGNS)
 def test_the_verdict_is_what_it_was(name):
-    held(FROZEN, CAMPAIGNS, name, found(*CAMPAIGNS[name]))
+    held(FROZEN, CAMPAIGNS, name, found(*CAMPAIGNS[name]), unrounded, rounded)

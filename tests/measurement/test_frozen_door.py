@@ -1,4 +1,4 @@
-"""What is read of files in sixty forms is what it was: columns, units, clock, samples, remarks, and the words of a refusal.
+"""What is read of files in many forms is what it was: columns, units, clock, samples, remarks, and the words of a refusal.
 
 ``frozen_door.json`` holds them; after a change that is meant, ``FROZEN_WRITE=1 make quick TESTS=tests/measurement/test_frozen_door.py`` writes
 them anew, and the diff shows what it did.
@@ -15,7 +15,7 @@ import numpy as np
 import openpyxl
 import pytest
 import scipy.io
-from frozen import held
+from frozen import by_a_decimal, held
 
 import swingdown
 from swingdown.dataset import series_of
@@ -241,4 +241,4 @@ def told(path, options):
 def test_what_is_read_is_what_it_was(name, tmp_path):
     file, content, options = FILES[name]
     (tmp_path / file).write_bytes(content)
-    held(FROZEN, FILES, name, told(tmp_path / file, options))
+    held(FROZEN, FILES, name, told(tmp_path / file, options), by_a_decimal)

@@ -1,7 +1,7 @@
 """The catalogue's formulas and numbers are what they were: each decides where a search begins and what it may end at.
 
 ``frozen_catalogue.json`` holds them, a line for each parameter; after a change that is meant, ``FROZEN_WRITE=1 make quick
-TESTS="tests/pendulum/test_frozen_catalogue.py -n0"`` writes it anew, and the diff shows what it did.
+TESTS="tests/pendulum/test_frozen_catalogue.py"`` writes it anew, and the diff shows what it did.
 """
 
 from pathlib import Path
