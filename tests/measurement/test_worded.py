@@ -38,7 +38,7 @@ def test_each_number_is_what_its_word_says(here, wording):
     lines = [wording.format(t=t, ms=1000 * t, angle=angle) for t, angle in zip(TIMES, ANGLES, strict=True)]
     ending = "json" if wording.startswith("{") else "log"
     found = read(here, "\n".join([*["booting ..."] * (ending == "log"), *lines]), ending)
-    assert found.sizes["time"] == TIMES.size and "a word before each number" in found.attrs["taken"]
+    assert found.sizes["time"] == TIMES.size and "a word beside each number" in found.attrs["taken"]
     assert np.allclose(np.diff(found["time"]), 0.02, atol=2e-3)
     assert np.abs(found["signal"] - ANGLES).max() < 0.01
 

@@ -251,15 +251,18 @@ def _no_folders(given: Sequence[str | PathLike[str]]) -> list[Path]:
 
 def _cells(told: Mapping[str, Any]) -> dict[str, Any]:
     """Cells of the sample sheet for arguments of ``read``; InputError for an unknown one, and for a value that its cell cannot have."""
-    known, cells = Told.__annotations__, rules(SCHEMA)["properties"]
-    for name in told:
+    known, columns, cells = Told.__annotations__, rules(SCHEMA)["properties"], dict[str, Any]()
+    for name, value in told.items():
         if name not in known:
             meant = difflib.get_close_matches(name, known, 1)
             raise InputError(f"argument {name}", "there is no such argument", ", ".join(known), f"say {meant[0]}=" if meant else "leave it out")  # fmt: skip
-        values = cells.get(ARGUMENTS.get(name, name), {}).get("enum", ())
-        if values and told[name] not in ("", *values):
-            raise InputError(f"argument {name}", f"it is {told[name]!r}", " or ".join(map(str, values)), near(told[name], values))  # fmt: skip
-    return {ARGUMENTS.get(name, name): _number(name, value) if cells.get(ARGUMENTS.get(name, name), {}).get("type") == "number" else value for name, value in told.items()}  # fmt: skip
+        cell = ARGUMENTS.get(name, name)
+        rule = columns.get(cell, {})
+        values = rule.get("enum", ())
+        if values and value not in ("", *values):
+            raise InputError(f"argument {name}", f"it is {value!r}", " or ".join(map(str, values)), near(value, values))  # fmt: skip
+        cells[cell] = _number(name, value) if rule.get("type") == "number" else value
+    return cells
 
 
 def _number(name: str, value: Any) -> float:

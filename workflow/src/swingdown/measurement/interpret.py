@@ -149,15 +149,17 @@ def interpret(table: Table, row: Mapping[str, Any], place: str, restoring: str) 
 
 def _passed_over(table: Table, columns: Chosen, row: Mapping[str, Any], read: list[str]) -> list[str]:
     """A remark on the columns of angles that were not taken, for the first was; none where the sheet names one."""
-    (swing, *more) = columns.found
+    swing = columns.found[0]
+    if row["signal_column"] or len(columns.found) > 1 or swing.kind != ANGLE:
+        return []
     others = [
         one.name
         for one in table.meanings
-        if (one.kind, one.unit) == (swing.kind, swing.unit) == (ANGLE, one.unit)
+        if (one.kind, one.unit) == (ANGLE, swing.unit)
         and one.name not in read
         and not (moves_it(one.name) or OF_AN_ERROR.search(one.name.replace("_", " ")))
     ]
-    if more or row["signal_column"] or not others:
+    if not others:
         return []
     also = ", ".join(f"`{name}`" for name in others)
     return [

@@ -269,9 +269,8 @@ def quantities(
             slopes = np.c_[slopes, np.diag(found)]
             # what the courses take off the residuals makes no value surer: they are right to first order alone
             variance = np.maximum(variance, np.einsum("ij,jk,ik->i", slopes, whole, slopes))
-            with np.errstate(
-                over="ignore", invalid="ignore"
-            ):  # of a loss that is not seen by powers of ten, and then by more
+            # of a loss that is not seen by powers of ten, and by more than numbers hold
+            with np.errstate(over="ignore", invalid="ignore"):
                 scale = np.exp(slopes @ beside.shift / found)
                 found, variance = found * scale, variance * scale**2
         errors = np.where(np.isfinite(found) & (variance > 0), np.sqrt(np.maximum(variance, 0.0)), np.nan)

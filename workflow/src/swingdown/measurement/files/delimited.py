@@ -41,7 +41,7 @@ def delimited(source: BinaryIO, name: str, rate: float = np.nan) -> dict[str, Ta
         return prefixed("its rows as columns", delimited(text, name))
     how = dialect(head, name, single=rate > 0)
     if (how is None or how.words) and (text := reworded(source, coded, name, surely=how is not None)):
-        return prefixed("a word before each number", delimited(text, name, rate))
+        return prefixed("a word beside each number", delimited(text, name, rate))
     blocks, opening = find_blocks(source, coded, how, name) if how else ([], [])
     if not how or not blocks:
         raise InputError(
