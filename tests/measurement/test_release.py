@@ -65,6 +65,28 @@ def test_a_bob_that_is_lifted_first():
     assert found.released == pytest.approx(2.0, abs=0.08)
 
 
+@pytest.mark.parametrize("rest", [0.5, 2.0, 5.0])
+@pytest.mark.parametrize("restoring", ["sine", "linear"])
+def test_a_pendulum_that_hangs_still_until_it_is_pulled_out(rest, restoring):
+    """The pull is as quick as a swing, and is none: no hand holds, and no lift is against the weight."""
+    model = Model("viscous", {"natural_frequency": 6.85, "viscous_ratio": 0.01}, restoring=restoring)
+    time = np.arange(0, 15, 0.01)
+    out, after = time[time < 0.3], time[time > rest + 0.3]
+    pull = 0.35 * (1 - np.cos(np.pi * out / 0.3))
+    signal = np.concatenate(
+        [
+            np.zeros(time.size - after.size - out.size),
+            pull,
+            simulate(model, np.append(0, after - rest - 0.3), 0.7)[1:],
+        ]
+    )
+    signal += 0.002 * np.random.default_rng(4).standard_normal(time.size)
+    for scale in (1.0, 0.0):
+        (found,), _ = find_windows(time, 0.3 + signal, scale)
+        assert rest < found.released < rest + 0.31
+        assert rest + 0.4 < found.begins < rest + 0.7
+
+
 def test_the_recording_is_kept_and_the_angle_begins_after_the_release(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     time, signal = held(100, 3.0)

@@ -21,6 +21,7 @@ REST = 0.01  # of the range: less is rest
 LONG = 2.0  # periods of rest at the end, beyond which the rest is left out
 ENOUGH = 100  # samples a half-swing
 KEPT = 1.0  # period of rest that stays: it tells where friction stopped the pendulum
+STAYS = 2.0  # times as long as a swing stays where it is at a turning point: what rests for longer about its middle does not swing yet
 
 
 class Window(NamedTuple):
@@ -88,9 +89,10 @@ def find_windows(
         free[-1] = free[-1]._replace(stop=hand.start)
         free.append(_Free(hand.stop, NAN))
     found: list[tuple[_Free, Swings]] = []
+    still = _still(times, signal)
     for part in free:
         swings = _swings_in(times, signal, part)
-        if swings is None:
+        if swings is None or np.ptp(signal[_samples(times, part)]) < 2 * still:  # it hangs there
             continue
         if found and not _anew(found[-1][0], found[-1][1], part, swings, times):
             pushed.append(part.start)
@@ -99,10 +101,12 @@ def find_windows(
             found.pop()
         found.append((part, swings))
     windows = [_window(times, signal, part) for part, _ in found] or [whole]
-    if scale and np.isnan(windows[0].begins):
+    if np.isnan(windows[0].begins) and not rate:
         part_of = within(windows[0], times)
         starts = half_swings(signal[part_of]).starts
-        until = lifted_until(times[part_of], scale * signal[part_of])
+        until = _stays_until(times[part_of], signal[part_of])
+        if until is None and scale:
+            until = lifted_until(times[part_of], scale * signal[part_of])
         if until is not None:
             windows[0] = windows[0]._replace(released=until, begins=float(times[part_of][starts[1]]))
     return windows, pushed
@@ -150,13 +154,33 @@ def _window(times: Floats, signal: Floats, part: _Free) -> Window:
 
 def _rest(times: Floats, signal: Floats, period: float) -> float | None:
     """Until when (s) the samples are used of a pendulum that has come to rest; None for one that has not, or not for long."""
-    tail = signal[times > times[-1] - period]
-    around = np.abs(signal - np.median(tail))
-    still = max(REST * np.ptp(signal), 5 * noise_level(times, signal), 1.5 * quantisation_step(signal))
-    moving = np.flatnonzero(around > still)
+    moving = np.flatnonzero(
+        np.abs(signal - np.median(signal[times > times[-1] - period])) > _still(times, signal)
+    )
     if not len(moving) or times[-1] - times[moving[-1]] < LONG * period:
         return None
     return float(times[moving[-1]] + KEPT * period)
+
+
+def _stays_until(times: Floats, signal: Floats) -> float | None:
+    """Until when (s) the pendulum rests about its middle, before a hand or a push sets it swinging; None for one that swings from the first
+    sample on. At a turning point near the top it may stay as long by itself."""
+    swings = half_swings(signal)
+    still, size, away = _still(times, signal), float(np.ptp(signal)) / 2, signal - signal[0]
+    moving = np.flatnonzero(np.abs(away) > still)
+    if not len(moving) or not abs(signal[0] - swings.centre()) < size / 2:
+        return None
+    share = min(still / size, 1.0)
+    longest = (np.arccos(1 - share) + np.arccos(1 - 2 * share)) / (
+        2 * np.pi
+    )  # to a turn, and back as far again
+    until = float(times[moving[0]])
+    return until if until - times[0] > STAYS * longest * swings.period(times) else None
+
+
+def _still(times: Floats, signal: Floats) -> float:
+    """How far from where it is a pendulum is at rest, in the signal's unit."""
+    return max(REST * float(np.ptp(signal)), 5 * noise_level(times, signal), 1.5 * quantisation_step(signal))
 
 
 def within(window: Window, times: Floats) -> slice:
