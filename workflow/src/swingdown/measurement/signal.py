@@ -50,6 +50,9 @@ MOST_LOST = 0.2  # of the positions: a tracker that loses more follows no bob
 _NAMES = {"V": "V", "counts": "counts"}
 OF_A_MASS = "an acceleration, taken as the place of a mass on a spring: a loss itself shows in it, so that a structure as small as that may be none"
 RELATIVE = "relative"  # in the cell scale: nobody knows it
+_SCALE = re.compile(
+    r"(?P<number>[-+.\de]+)\s*(?P<unit>|deg(rees?)?|°|rad)(\s*(/|per )\s*\S+)?", re.IGNORECASE
+)
 _RAW = re.compile(
     r"(?i)\b(adc|raw|analog\w*|a0|sensor ?value|poti?|potentiometer|au|a\.u|arb|ch(annel)? ?\d+ ?v?)\b"
 )
@@ -76,6 +79,8 @@ class Interpreted(NamedTuple):
         """One line on how the file was read, for what the signal turned out to be."""
         what, instead, *others = self.read
         unit = instead or UNIT_WORDS[reading.unit]
+        if reading.unit == NO_SCALE and reading.stated and np.isfinite(self.reading.scale):
+            unit = instead or f"readings of {np.degrees(reading.scale):.4g}° each"
         if not (reading.stated or instead):
             unit = (
                 "rad (no unit is stated)" if reading.unit == "rad" else f"{unit.upper()} (no unit is stated)"
@@ -170,6 +175,13 @@ def _reading(
         return Reading(unit, True, 2 * np.pi / turn if turn > 0 else np.nan, restoring)
     if unit in ("V", "counts"):
         return Reading(unit, True, 0.0 if scale is None else scale, restoring)
+    if unit and scale is not None and np.isfinite(scale):
+        raise InputError(
+            f"{where}, column scale",
+            f"{row['scale']!r} is what one unit of the signal is worth, and that is in {unit} already",
+            "a scale of volts, counts or readings without a unit",
+            f"leave ⟨scale⟩ out, or write counts or V ⟨in signal_unit⟩ for what is not in {unit}",
+        )
     if unit in TO_RAD_PER_S:
         return Reading(unit, True, 0.0, restoring)
     # asked for by ``relative``: period and decay alone; so are a force and an acceleration, in step with what a spring pulls back
@@ -203,9 +215,13 @@ def _stated_scale(row: Mapping[str, Any], where: str) -> float | None:
 
 
 def _degrees_a_unit(cell: str) -> float:
-    """The degrees that one unit is worth: ``0.35``, or by two readings and their angles, ``512=0,700=30``."""
+    """The degrees that one unit is worth: ``0.35``, ``0.35 deg/V``, ``0.006 rad/V``, or by two readings and their angles, ``512=0,700=30``."""
     if "=" not in cell:
-        return float(cell)
+        said = _SCALE.fullmatch(cell)
+        if said is None:
+            raise ValueError(cell)
+        number = float(said["number"])
+        return float(np.degrees(number)) if said["unit"].lower() == "rad" else number
     pairs = [pair.split("=") for pair in cell.replace(";", ",").split(",")]
     (first, low), (second, high) = [(float(reading), float(angle)) for reading, angle in pairs]
     return (high - low) / (second - first)
