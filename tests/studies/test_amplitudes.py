@@ -49,6 +49,19 @@ def test_turning_points_and_passages_are_those_of_the_decay_wherever_its_middle_
     assert found.at[0] == found.number[0] - 0.5 and found.mark[0] < found.times[0]
 
 
+def test_a_swing_that_rises_faster_than_it_falls_has_its_turning_points():
+    """As a magnet that falls through a coil: each turn lies far from the middle between two passages."""
+    times = np.arange(0, 12, 0.002)
+    phase = 2 * np.pi * 2.3 * times
+    read = np.exp(-0.05 * times) * (np.sin(phase) + 0.35 * np.sin(2 * phase) + 0.1 * np.sin(3 * phase))
+    found = of_samples("coil", times, read + 1e-3 * np.random.default_rng(2).standard_normal(times.size))
+    assert found.angle.size > 50
+    largest = np.max(
+        np.sin(x := np.linspace(0, 2 * np.pi, 100_001)) + 0.35 * np.sin(2 * x) + 0.1 * np.sin(3 * x)
+    )
+    assert np.abs(found.angle) == pytest.approx(largest * np.exp(-0.05 * found.times), rel=5e-3)
+
+
 @pytest.mark.parametrize("step", [0.01, 0.06])
 def test_what_is_stated_is_how_far_they_are_off(step):
     """With 60 samples of a half-swing, and with ten, for which the windows grow."""

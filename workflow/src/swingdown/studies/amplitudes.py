@@ -1,5 +1,6 @@
 """Amplitude and time of each half-swing: how far it goes, when it passes the middle, and how well both are known."""
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -20,6 +21,7 @@ from .turning_points import turns_of
 _TURN, _PASS = 0.22, 0.25
 _WIDEST = 0.45  # of a half-swing: how far a window reaches where there are few samples; it finds a turn to 2e-4 of it
 _MORE = 2  # samples beyond the coefficients of a polynomial, so that it leaves something
+_ASTRAY = 0.1  # of a half-swing: a swing that turns farther than that from its middle is no sine
 _ABOVE = 5.0  # standard deviations of the noise that a swing goes beyond: the passage through the middle is then its own
 
 
@@ -97,7 +99,15 @@ def of_samples(
     turn, through = (
         min(max(usual, (degree + 4) / (2 * each)), _WIDEST) for usual, degree in ((_TURN, 4), (_PASS, 3))
     )
-    turns = _polynomials(times, angle, (rough[1:] + rough[:-1]) / 2, turn * half, 4)
+    about = (rough[1:] + rough[:-1]) / 2
+    ordered = np.sign(np.interp(about, times, quiet) - centre)
+    turns = _polynomials(
+        times,
+        angle,
+        rough[:-1] + _where_it_turns(times, quiet - centre, rough, ordered) * half,
+        turn * half,
+        4,
+    )
     widths = through * np.minimum(np.append(half, half[-1]), np.insert(half, 0, half[0]))
     passes = _polynomials(times, angle - centre, rough, widths, 3)
     noise = _noise(turns, passes)
@@ -111,7 +121,6 @@ def of_samples(
     number = np.concatenate([[0], np.cumsum(steps_between(half))])
     place, size, u_size = turns.vertex(noise)
     at, u_at, slope = passes.root(noise)
-    ordered = np.sign(np.interp((rough[1:] + rough[:-1]) / 2, times, quiet) - centre)
     single = np.diff(number) == 1
     loud = (
         np.isfinite(size)
@@ -181,6 +190,22 @@ def _centre(times: Floats, angle: Floats, rough: Floats) -> float:
     middle = np.median(angle[angle.size // 2 :])
     turns = np.where(top - middle > middle - bottom, top, bottom)
     return float(np.median(middles(turns))) if turns.size > 2 else float(middle)
+
+
+def _where_it_turns(times: Floats, away: Floats, rough: Floats, side: Floats) -> Floats:
+    """Where between two passages a swing turns, as a share: in the middle, or where it usually does on that side, if that is far from there."""
+    bounds = times.searchsorted(rough)
+    farthest = [
+        a + int(np.argmax(np.abs(away[a:b]))) if b > a else min(a, times.size - 1)
+        for a, b in pairwise(bounds)
+    ]
+    share, large = (times[farthest] - rough[:-1]) / np.diff(rough), np.abs(away[farthest])
+    found = np.full(share.size, 0.5)
+    for one in (side > 0, side < 0):
+        usual = float(np.median(share[known])) if (known := one & (large > large.max() / 2)).any() else 0.5
+        if abs(usual - 0.5) > _ASTRAY:
+            found[one] = usual
+    return found
 
 
 class _Local(NamedTuple):
