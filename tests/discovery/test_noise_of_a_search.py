@@ -111,6 +111,17 @@ def test_a_vibration_has_its_frequency_where_samples_are_lost():
     assert line(frame(first_fit(one, Model("viscous")), one.fit))[0] == pytest.approx(2.3, abs=0.05)
 
 
+def test_a_slow_pendulum_has_its_line_too():
+    """Of a torsion balance, a swing in minutes and a reading in seconds."""
+    times = np.arange(0, 6000, 2.0)
+    rng = np.random.default_rng(5)
+    swing = 0.1 * np.exp(-4e-4 * times) * np.cos(0.02 * times)
+    shaken = swing + 2e-3 * np.sin(0.09 * times) + 1e-4 * rng.standard_normal(times.size)
+    one = campaign("balance", [Swing("a", times, shaken)])
+    found = line(frame(first_fit(one, Model("viscous", restoring="linear")), one.fit))
+    assert found[0] == pytest.approx(0.09 / (2 * np.pi), rel=0.03)
+
+
 def test_coarse_swings_tell_their_noise_where_frames_are_lost():
     """Of 25 samples a period the swing itself is in a difference over a hole, and passes for noise."""
     rng, times = np.random.default_rng(9), np.arange(0, 40, 0.04)

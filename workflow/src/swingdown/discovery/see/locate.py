@@ -13,6 +13,7 @@ from scipy.special import chdtrc
 from ...arrays import Floats
 from ...measurement.swings.even import evenly
 from ...pendulum.catalogue import ANGLE
+from ...pendulum.effect import NATURAL_FREQUENCY
 from ..data.noise import Noise
 from .curves import Form
 from .linear import Frame, explained, motion
@@ -26,6 +27,7 @@ KINDS = {
     "line": "spectral line",
     "other": "of no simple kind",
 }
+_SLOWEST = 0.3  # of the natural frequency: a slower line is none, but what changes in time
 _CONSTANT = 0.95  # of what the position explains: a torque that is the same everywhere
 
 
@@ -106,7 +108,7 @@ def probes(frame: Frame, curves: Mapping[str, Form]) -> dict[str, Floats]:
     }
 
 
-def line(frame: Frame, low: float = 0.3) -> tuple[float, float, int]:
+def line(frame: Frame) -> tuple[float, float, int]:
     """The frequency (Hz) at which sines of every recording's own phase explain most of the residual, the sum of squares
     (rad^2) explained there, and how many frequencies were looked at.
 
@@ -116,7 +118,8 @@ def line(frame: Frame, low: float = 0.3) -> tuple[float, float, int]:
     pairs = zip(frame.swings, frame.slices, strict=True)
     swings = [evenly(swing.times, outside[rows]) for swing, rows in pairs]
     longest = max(one.times[-1] - one.times[0] for one in swings)
-    grid = np.arange(max(low, 2 / longest), 0.45 / max(one.interval for one in swings), 0.25 / longest)
+    slowest = max(_SLOWEST * frame.fit.model.values[NATURAL_FREQUENCY.name] / (2 * np.pi), 2 / longest)
+    grid = np.arange(slowest, 0.45 / max(one.interval for one in swings), 0.25 / longest)
     power = np.zeros(grid.size)
     for one in swings:
         there = np.where(one.missing, 0.0, one.signal)
