@@ -59,6 +59,31 @@ def test_a_loss_is_seen_whatever_spring_or_sensor_error_is_there_too(hidden, law
     assert not (other.chance > 0.95 and other.share < 0.2 and other.held_out < 0.5)
 
 
+@pytest.mark.parametrize("hidden", ["viscous", "quadratic_drag"])
+def test_a_balance_of_microradians_shows_the_same_as_one_of_degrees(hidden):
+    values = {
+        "natural_frequency": 7.0,
+        "constant_friction": 0.05,
+        "viscous_ratio": 0.01,
+        "quadratic_coefficient": 0.02,
+    }
+    model = Model(("constant_coulomb", hidden), restoring="linear")
+    model = model.with_values({name: values[name] for name in model.parameters})
+    rng = np.random.default_rng(6)
+    read = [
+        simulate(model, TIMES, angle, 0.0) + 1e-3 * rng.standard_normal(TIMES.size)
+        for angle in (0.9, 0.7, 0.5)
+    ]
+    found = []
+    for unit in (1.0, 1e-6):
+        one = campaign("balance", [Swing(f"{k}", TIMES, unit * angle) for k, angle in enumerate(read)])
+        found.append(seen(amplitudes(one, 7.0, "linear"), frozenset({1, 2})))
+    large, small = found
+    assert large.gain > 5
+    assert small.gain == pytest.approx(large.gain, rel=1e-3)
+    assert (small.share, small.held_out) == pytest.approx((large.share, large.held_out), abs=1e-3)
+
+
 def test_amplitudes_that_come_and_go_hide_no_loss():
     """A bob that swings round as well: its ellipse turns, and what a camera sees of it grows and falls again, which no loss does."""
     plain = swings("constant_coulomb")
@@ -203,7 +228,8 @@ def test_friction_is_told_though_springs_are_more_probable():
     assert friction.share < 0.2
     assert friction.probability > 0.95
     pool.look(fit_jointly(Model("viscous+constant_coulomb+cubic_stiffness"), pairs, bounded=True))
-    shown = {name: one.any_unit for name, one in judged(pool, pool.best).items()}
+    beside = pool.known[frozenset(("viscous", "constant_coulomb", "cubic_stiffness"))]
+    shown = {name: one.any_unit for name, one in judged(pool, beside).items()}
     assert shown == {"constant_coulomb": True, "cubic_stiffness": False}
 
 

@@ -4,12 +4,11 @@ from collections.abc import Collection, Sequence
 from itertools import combinations
 
 import numpy as np
-from scipy.optimize import lsq_linear
 
 from ...arrays import Floats
 from ...engine.trajectory import TrajectoryError
 from ...pendulum.effect import Effect
-from ..see.linear import Frame, columns_of
+from ..see.linear import Frame, bounded, columns_of
 from .candidates import WIDEST, Start, additions, shifted
 from .refit import widened
 
@@ -53,7 +52,7 @@ def starts_of_pairs(
     found = []
     for pair in combinations(range(len(names)), 2):
         at = [*mine, *(own + k for k in pair)]
-        x = lsq_linear(triangle[:, at], aim, (low[at], high[at]), method="bvls", tol=1e-9).x
+        x = bounded(triangle[:, at], aim, low[at], high[at])
         gain = float(aim @ aim - np.sum((aim - triangle[:, at] @ x) ** 2))
         if gain >= least:
             step = np.zeros(whole.shape[1])

@@ -183,7 +183,8 @@ def _left(of: Sequence[Stretch], but: Collection[int]) -> Floats:
     scale = np.linalg.norm(columns[fitted], axis=0)
     low = np.full(columns.shape[1], -np.inf)
     low[[k for k, law in enumerate(laws) if law != _DRIFT]] = 0.0
-    values = lsq_linear(columns[fitted] / scale, sizes[fitted], (low, np.inf)).x / scale
+    largest = sizes.max()  # its search ends by how little is left, in what unit whatever
+    values = lsq_linear(columns[fitted] / scale, sizes[fitted] / largest, (low, np.inf)).x * largest / scale
     left = columns @ values - sizes
     edges = np.cumsum([0, *(one.sizes.size for one in of)])
     for (a, b), with_fit in zip(pairwise(edges), known, strict=True):

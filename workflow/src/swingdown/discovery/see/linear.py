@@ -201,6 +201,12 @@ def explained(frame: Frame, columns: Floats) -> tuple[float, int]:
     return float(np.sum((basis.T @ frame.residual) ** 2)), basis.shape[1]
 
 
+def bounded(columns: Floats, aim: Floats, low: Floats, high: Floats) -> Floats:
+    """The coefficients of least squares between ``low`` and ``high``, in whatever unit the aim is: the search ends by how little is left."""
+    size = float(np.linalg.norm(aim)) or 1.0
+    return lsq_linear(columns, aim / size, (low / size, high / size), method="bvls", tol=1e-9).x * size
+
+
 def best_step(frame: Frame, columns: Floats, low: Floats, high: Floats) -> Step:
     """The ``Step`` of least squares with the coefficients between ``low`` and ``high``, the fit's own values within theirs."""
     (basis, own), scale = frame.factors, np.linalg.norm(frame.slopes, axis=0)
@@ -219,7 +225,7 @@ def best_step(frame: Frame, columns: Floats, low: Floats, high: Floats) -> Step:
     low, high = np.concatenate([own_low, low]) * size, np.concatenate([own_high, high]) * size
     held = high - low <= 0
     step = np.zeros(size.size)
-    step[~held] = lsq_linear(triangle[:, ~held], aim, (low[~held], high[~held]), method="bvls", tol=1e-9).x
+    step[~held] = bounded(triangle[:, ~held], aim, low[~held], high[~held])
     squares = float(aim @ aim - np.sum((aim - triangle @ step) ** 2))
     step = step / size
     return Step(squares, step[own.shape[1] :], step[: own.shape[1]])
