@@ -175,6 +175,14 @@ def test_a_stated_unit_in_which_it_swings_too_far_is_refused(unit, wide, mend):
     assert angle_unit(turning(wide), "V", "sine", "a.csv") == ("V", [])
 
 
+def test_what_swings_over_the_top_and_back_in_degrees_is_no_angle():
+    """A bob that drag soon slows down, in pixels: two half-swings of more than a turn."""
+    times = np.arange(0, 20, 0.03)
+    pixels = 214 * np.exp(-0.15 * times) * np.cos(6.3 * times)
+    assert angle_unit(pixels, "", "sine", "")[0] == NO_SCALE
+    assert angle_unit(0.8 * pixels, "", "sine", "")[0] == "deg"
+
+
 def test_one_push_over_the_top_is_no_swing():
     signal = turning(1.0)
     signal[1000:] += 2 * np.pi

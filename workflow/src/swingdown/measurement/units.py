@@ -164,7 +164,9 @@ def angle_unit(signal: Floats, unit: str, restoring: str, place: str) -> tuple[s
     """
     swings = half_swings(signal)
     reach = np.abs(np.diff(swings.turns)) if len(swings.turns) > 1 else np.zeros(1)
-    far = sorted(reach)[-3:][0] if len(reach) > 2 else 0.0  # one push over the top is no swing back and forth
+    # one push over the top is no swing back and forth; against a stated unit it takes one more
+    seen = 3 if unit else 2
+    far = sorted(reach)[-seen] if len(reach) > 2 else 0.0
 
     def too_far(known: str) -> bool:
         return bool(far > WHOLE * TURNS[known])
