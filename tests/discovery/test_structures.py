@@ -61,6 +61,42 @@ def lacking(one, label, **options):
     return Unnamed(fit, one.fit, 2 * np.pi / 7, NOISE, **options).beside(frame(fit, one.fit))
 
 
+def test_what_first_order_cannot_know_speaks_for_no_structure():
+    """A wheel that friction stops, read to a four-thousandth of its swing: beside drag and a spring a discrepancy would do the friction's work to
+    the noise, of what a hundred times as much is wrong to first order."""
+    truth = Model(("viscous", "presliding"), restoring="linear")
+    values = {
+        "natural_frequency": 3.7,
+        "viscous_ratio": 0.0016,
+        "presliding_friction": 0.3,
+        "presliding_angle": 0.05,
+    }
+    times, rng = np.arange(0, 40, 0.04), np.random.default_rng(1)
+    read = [simulate(truth.with_values(values), times, angle, 0.0) for angle in (2.3, 2.2, 2.1)]
+    noise = Noise(6e-4)
+    one = campaign(
+        "wheel",
+        [
+            Swing(f"{k}", times, angle + noise.deviation * rng.standard_normal(times.size))
+            for k, angle in enumerate(read)
+        ],
+    )
+    fits = {
+        label: fit_jointly(Model(label, restoring="linear"), [swing.pair for swing in one.fit], bounded=True)
+        for label in (
+            "viscous",
+            "viscous+constant_coulomb",
+            "viscous+cubic_stiffness",
+            "viscous+quadratic_stiffness",
+        )
+    }
+    pool = Pool(one, noise, fits["viscous"], fits["viscous+constant_coulomb"])
+    for fit in fits.values():
+        pool.look(fit)
+    assert fits["viscous+constant_coulomb"].rms < 0.4 * fits["viscous+cubic_stiffness"].rms
+    assert pool.of(["constant_coulomb"]) > 0.999
+
+
 def test_a_model_that_is_right_lacks_nothing_and_one_that_is_not_lacks_as_much_as_it_leaves(spring):
     right, wrong = lacking(spring, "viscous+cubic_stiffness"), lacking(spring, "viscous")
     assert right.log_evidence - right.log_plain < 1

@@ -103,6 +103,8 @@ class Unnamed:
 
     def __init__(self, fit: Fit, swings: Sequence[Swing], period: float, noise: Noise, alike: bool = False):
         self._swings, self._width, self._alike = swings, period / _BINS, alike
+        # rad over which a torque hangs together
+        self._smooth = SMOOTH[0] * max(float(np.ptp(one.angle)) for one in swings) / 2
         motions = []
         for swing, mean, one in zip(swings, self._binned_under(noise), fit.swings, strict=True):
             coarse = Swing(swing.name, mean.times, mean(swing.angle), swing.drive)
@@ -126,7 +128,7 @@ class Unnamed:
         self._parts = [along[:, self._kinds == kind] for kind in range(self._kinds[-1] + 1)]
         self._kernels = np.stack([part @ part.T for part in self._parts])
         self._rubs = rubs(self._parts)
-        self._most = self._first_order(self._swings) if self._alike else np.inf
+        self._most = self._first_order() if self._alike else np.inf
 
     def beside(self, frame: Frame) -> Discrepancy:
         """The ``Discrepancy`` of a fit seen in a ``Frame``."""
@@ -148,7 +150,7 @@ class Unnamed:
             noise.slow_variance,
         )
         scale = 1 / np.sqrt(frame.samples)
-        at = least(model, self._most)
+        at = least(model, self._most, self._beyond_first_order(frame))
         sizes, whole = at.work()
         quick = max(at.noise - noise.slow_variance, 0.0) * (left.size - basis.shape[1])
         alone, beside = (
@@ -175,13 +177,17 @@ class Unnamed:
             np.log(self._noise.slow_variance)
         )
 
-    def _first_order(self, swings: Sequence[Swing]) -> float:
-        """How much a discrepancy may do, of what the noise does (variance), for first order to be right to the noise.
+    def _beyond_first_order(self, frame: Frame) -> float:
+        """The variance that first order is wrong by, of the noise's: a torque of smoothness l that moves a swing by d is another one there, by about
+        d / l of it."""
+        squared = float(np.mean(frame.residual**4)) / self._smooth**2  # (d^2 / l)^2
+        of_a_bin = frame.samples / sum(mean.count.size for mean in self._means)
+        return squared * of_a_bin / self._noise.slow_variance
 
-        A torque of smoothness l that moves a swing by d is another one there, by about d / l of it: d^2 / l is less than the noise.
-        """
-        largest, samples = max(np.ptp(one.angle) for one in swings) / 2, sum(one.times.size for one in swings)
-        squared = SMOOTH[0] * largest * self._noise.deviation  # d^2
+    def _first_order(self) -> float:
+        """How much a discrepancy may do, of what the noise does (variance), for first order to be right to the noise: d^2 / l is less than the noise."""
+        samples = sum(one.times.size for one in self._swings)
+        squared = self._smooth * self._noise.deviation  # d^2
         return float(squared * samples / self._directions.shape[1] / self._noise.slow_variance)
 
     def _binned(self, frame: Frame, series: Floats) -> Floats:

@@ -146,12 +146,14 @@ class At:
         return float(self.noise**2 * self.pulled @ self.pulled + self.outside)
 
 
-def least(model: Likelihood, most: float = np.inf) -> "At":
-    """Where the cost is least; each kind begins with all that is left, and does at ``most`` so many times what the noise does (variance)."""
+def least(model: Likelihood, most: float = np.inf, wrong: float = 0.0) -> "At":
+    """Where the cost is least; each kind begins with all that is left, and does at ``most`` so many times what the noise does (variance). The noise
+    is no less than what first order is ``wrong`` by, in units of its variance."""
     count = len(model.kernels)
-    low, high = np.transpose([*[(_SIZES[0], min(_SIZES[1], np.log(most)))] * count, _NOISES])
+    quietest = np.log(np.clip(wrong, *np.exp(_NOISES)))
+    low, high = np.transpose([*[(_SIZES[0], min(_SIZES[1], np.log(most)))] * count, (quietest, _NOISES[1])])
     left = np.log(max(model.squares / (model.rows * model.variance), 1.0))
-    x = np.r_[np.full(count, min(left, high[0])), 0.0]
+    x = np.r_[np.full(count, min(left, high[0])), max(quietest, 0.0)]
     at, damping = model.at(x), _LEAST
     for _ in range(_STEPS):
         slopes, curvature = at.slopes, at.curvature
