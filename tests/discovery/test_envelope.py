@@ -59,6 +59,19 @@ def test_a_loss_is_seen_whatever_spring_or_sensor_error_is_there_too(hidden, law
     assert not (other.chance > 0.95 and other.share < 0.2 and other.held_out < 0.5)
 
 
+def test_a_loss_is_seen_in_a_film_of_few_images():
+    """Five images a half-swing, of which no turning point is read."""
+    one = swings("constant_coulomb", times=np.arange(0, 24, 0.09))
+    found = shown(one, FRICTION)
+    assert found.chance > 0.999
+    assert found.share < 0.2
+    assert found.held_out < 0.5
+    known = shown(swings("constant_coulomb", times=np.arange(0, 24, 0.03)), FRICTION)
+    assert found.gain == pytest.approx(known.gain, rel=0.5)
+    none = shown(swings(times=np.arange(0, 24, 0.09)), FRICTION)
+    assert not (none.chance > 0.95 and none.share < 0.2 and none.held_out < 0.5)
+
+
 @pytest.mark.parametrize("hidden", ["viscous", "quadratic_drag"])
 def test_a_balance_of_microradians_shows_the_same_as_one_of_degrees(hidden):
     values = {

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import pandas as pd
+from scipy.interpolate import CubicSpline
 
 from ...arrays import Floats, Swing
 from ...calmed import calmed
@@ -14,6 +15,12 @@ from ...pendulum.half_swings import lengthening, middles, reached
 from ...studies.amplitudes import of_samples
 
 COLUMNS = ["time_s", "amplitude_rad", "energy_loss", "period_ratio", "midpoint_rad"]
+_FEW, _ENOUGH = (
+    3.0,
+    10.0,
+)  # of a half-swing: of fewer no turn is told, from so many on it is told of the samples themselves
+_FINER = 4  # times
+_HOLE = 1.5  # usual steps: over more nothing is between
 _QUANTITIES = ("energy_loss", "period_ratio", "midpoint_rad")
 
 
@@ -41,6 +48,8 @@ def half_swings(
         amplitude (ratio), and the mid-point (rad, from three turning points, so that decay leaves it alone). Half-swings that the noise
         could have made are left out.
     """
+    if _coarse(times, np.pi / natural_frequency):
+        times, angle = _between(times, angle)
     quiet = calmed(times, angle, ends_quiet=False) if reading == RATE else None
     try:
         found = of_samples("", times, angle, quiet=quiet)
@@ -72,6 +81,21 @@ def half_swings(
         }
     )
     return table[np.diff(number) == 1]
+
+
+def _coarse(times: Floats, half: float) -> bool:
+    """True of a swing without holes that has too few samples in a half-swing (s) to read its turns from, and enough to tell what is between."""
+    steps = np.diff(times)
+    if not steps.size:
+        return False
+    usual = float(np.median(steps))
+    return _FEW <= half / usual < _ENOUGH and float(steps.max()) < _HOLE * usual
+
+
+def _between(times: Floats, angle: Floats) -> tuple[Floats, Floats]:
+    """Times and angles with values between the samples: of ten a period a cubic spline is right to a few ten-thousandths of the amplitude."""
+    finer = np.interp(np.arange(_FINER * (times.size - 1) + 1) / _FINER, np.arange(times.size), times)
+    return finer, CubicSpline(times, angle)(finer)
 
 
 def beside(
