@@ -182,6 +182,14 @@ def test_samples_lost_with_the_time_renumbered():
     assert len(remarks) == 1 and remarks[0].startswith("the signal jumps") and "at 10.1 s" in remarks[0]
 
 
+@pytest.mark.parametrize("every", [7, 11])
+def test_a_bob_that_wobbles_as_it_swings_has_lost_no_samples(every):
+    """Faster where the swing is faster, as a string makes a bob turn."""
+    angle = swing()
+    wobble = 1.5 * np.gradient(angle) * np.sin(2 * np.pi * np.arange(angle.size) / every)
+    assert not any("numbered on" in one for one in looked_at(angle + wobble))
+
+
 @pytest.mark.parametrize(
     ("of", "lost", "percent"), [(3, 1, "33.3"), (10, 1, "10"), (10, 2, "20"), (40, 1, "2.5")]
 )

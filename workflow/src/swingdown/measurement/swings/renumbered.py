@@ -22,7 +22,8 @@ def lost_evenly(even: Even, period: float) -> list[str]:
 
     ``period`` in samples. What a short polynomial leaves is regressed on the speed times a sawtooth of p samples, for each p and place of
     its teeth. A sawtooth of less than half a sample is no lost one, and that of a reading which is held for p samples is p high. Where
-    the swing moves by less than a step of its readings between two samples (RMS), rounding itself makes sawteeth, and nothing is asked.
+    the swing moves by less than a step of its readings between two samples (RMS), rounding itself makes sawteeth, and nothing is asked. Nor is
+    anything told where a sine of p samples takes more: a bob that wobbles as it swings.
     """
     width = min(int((PART * period - 1) / 2) * 2 + 1, WIDEST) if np.isfinite(period) else 0
     if width < FEWEST or even.times.size < 4 * width:
@@ -37,10 +38,12 @@ def lost_evenly(even: Even, period: float) -> list[str]:
     if np.sqrt(np.mean(speed**2)) < quantisation_step(even.signal):
         return []
     looks = LONGEST * (LONGEST + 1) - 2
-    _, size, student, draws, every = max(
+    taken, size, student, draws, every = max(
         (*_sawtooth(rest, speed, left, every), every) for every in range(2, LONGEST + 1)
     )
     lost = round(size * every / (every - size)) if size <= every / 2 else 0
+    if _shaken(rest, speed, every) > taken:
+        return []
     if not lost or stdtr(draws - 1, -student) > BY_CHANCE / looks:
         return []
     count, of = abs(lost), every + max(lost, 0)
@@ -57,6 +60,14 @@ def _of_polynomial(width: int) -> tuple[Floats, Floats]:
     place = np.arange(width) - width // 2
     weights = np.linalg.pinv(np.vander(place, 5, increasing=True).astype(float))
     return weights[0], weights[1]
+
+
+def _shaken(rest: Floats, speed: Floats, every: int) -> float:
+    """What a sine of ``every`` samples takes from the squares of ``rest``, as large as the speed: of what shakes it is more than a sawtooth takes."""
+    turn = 2 * np.pi * np.arange(rest.size) / every
+    columns = np.column_stack([speed * np.sin(turn), speed * np.cos(turn)])
+    found, *_ = np.linalg.lstsq(columns, rest, rcond=None)
+    return float(np.sum((columns @ found) ** 2))
 
 
 def _sawtooth(rest: Floats, speed: Floats, left: Floats, every: int) -> tuple[float, float, float, float]:
