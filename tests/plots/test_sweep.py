@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 from matplotlib.text import Text
 
-from swingdown.plots.sweep import MAPS
+from swingdown.plots.sweep import MAPS, _with_room
 
 pytestmark = pytest.mark.usefixtures("frozen")
 
@@ -35,6 +35,15 @@ def maps():
     )
     made["release_angle_deg"].attrs = {"long_name": "release angle", "units": "degrees"}
     return made
+
+
+def test_of_as_many_values_as_there_is_room_for_all_are_shown(maps):
+    dims = ["release_angle_deg", "snr"]
+    assert _with_room(maps, dims, 12) == ({}, dims, [])
+    chosen, shown, words = _with_room(maps, dims, 11)
+    assert chosen == {"snr": 2}
+    assert shown == ["release_angle_deg"]
+    assert "50" in words[0]
 
 
 @pytest.mark.parametrize("name", ["by_norm", "by_bic", "by_ten"])

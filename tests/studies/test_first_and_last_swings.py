@@ -1,13 +1,16 @@
 """Ten swings timed together, as with a stop-watch."""
 
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
+from scipy.stats import theilslopes
 
 import swingdown
+from swingdown.arrays import Shown
 from swingdown.studies.pendulums import NOT_DYING, pendulums
 from swingdown.studies.quantities import cycle
-from swingdown.studies.stop_watch import timed
+from swingdown.studies.stop_watch import _run_away, by_stop_watch, timed
 from swingdown.studies.unscaled import of_first_swings, of_last_swings, pace_of
 
 TIMES = np.arange(0.0, 40.0, 0.02)
@@ -55,6 +58,24 @@ def test_noise_does_not_move_what_a_curve_tells_that_it_follows():
         first, _ = timed(TIMES, np.cos(np.pi * TIMES) + noise, np.cos(np.pi * TIMES))
         off.append(first.period - 2.0)
     assert np.std(off) < 0.004  # a passage is known to 0.02 s
+
+
+def test_passages_that_scatter_run_away_by_less_than_they_seem_to():
+    halves, noise = np.arange(40), 0.01 * np.random.default_rng(3).standard_normal(40)
+    assert _run_away(halves, 0.002 * halves) == pytest.approx(0.002, rel=1e-9)
+    assert _run_away(halves, 0.002 * halves + noise) == pytest.approx(0.002, rel=0.2)
+    seen = theilslopes(noise, halves)[0]
+    assert 0 < _run_away(halves, noise) / seen < 0.7
+
+
+@pytest.mark.parametrize(("unit", "told"), [("rad", True), ("rad/s", False), ("mm", False)])
+def test_an_amplitude_is_told_of_angles_alone(unit, told):
+    series = 0.4 * np.exp(-TIMES / 60) * np.cos(np.pi * TIMES)
+    shown = [Shown("bob", "", TIMES, series, series, unit=unit)]
+    for amplitude in (0.4, np.nan):
+        table = pd.DataFrame({"recording": ["bob"], "amplitude_rad": [amplitude], "period_of": ["model"]})
+        (one,) = by_stop_watch(shown, table)
+        assert (one["first"]["amplitude_rad"] is not None) == (told and np.isfinite(amplitude))
 
 
 def test_swings_in_a_hole_are_counted():

@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from swingdown.errors import InputError
 from swingdown.planning.settings import complete
 from swingdown.sweep.chunks import add_to_book, deal, find_chunk
 from swingdown.sweep.combine import combine, read_maps
+from swingdown.sweep.compute import _took
 from swingdown.sweep.job import record
 from swingdown.sweep.job import work as job
 from swingdown.sweep.summary import intervals, table
@@ -269,3 +271,11 @@ def test_a_job_finds_a_chunk_that_is_whole_and_its_record_says_what_it_took(tmp_
     told = json.loads(text)
     assert (told["computes"], told["code"], told["cpu_s"]) == ("identification", "0a1b2c3d", 1.5)
     assert "swingdown" not in told and text.startswith("{") and text.split("}", 1)[1].startswith("\n")
+
+
+def test_what_a_chunk_took_is_told_for_each_fit():
+    chunk, fits = SimpleNamespace(draws=40), SimpleNamespace(DIMENSION="model")
+    assert _took(chunk, 4, 80, 0.2, fits).startswith(
+        "4 cells, 40 draws, 80 fits: 0.20 s of CPU, 2.5 ms each, "
+    )
+    assert "10 verdicts: 0.20 s of CPU, 20 ms each" in _took(chunk, 4, 10, 0.2, SimpleNamespace(DIMENSION=""))
