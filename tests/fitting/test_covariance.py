@@ -28,7 +28,7 @@ def normal(size, spread=1e4):
 
 @pytest.mark.parametrize(
     "given",
-    [np.diag([1.0, 0.0]), np.ones((2, 2)), np.full((2, 2), np.nan), np.array([[1.0, np.nan], [np.nan, 1.0]]), np.diag([1.0, np.inf])],
+    [np.diag([1.0, 0.0]), np.diag([1.0, 1e-310]), np.ones((2, 2)), np.full((2, 2), np.nan), np.array([[1.0, np.nan], [np.nan, 1.0]]), np.diag([1.0, np.inf])],
 )  # fmt: skip
 def test_nothing_is_known_of_what_the_data_leave_open(given):
     """Also where a search ran away to where slopes are no numbers any more."""

@@ -9,6 +9,7 @@ from .problem import RELEASE, Problem
 
 CLOCK = "clock"
 _SINGULAR = 1e15
+_NOTHING = 1e-50  # rad: what a value of one does to all readings, below which they know nothing of it
 _RELEASE_UNITS = dict(zip(RELEASE, ("rad", "rad/s"), strict=True))
 
 
@@ -57,7 +58,7 @@ def inverse_of(problem: Problem, hessian: Floats, best: Floats) -> Floats:
         The free values at the minimum, of shape (free,).
     """
     scale = np.sqrt(hessian.diagonal())
-    free = (best > problem.lower) & (best < problem.upper) & (scale > 0)
+    free = (best > problem.lower) & (best < problem.upper) & (scale > _NOTHING)
     found, at = np.full(hessian.shape, np.nan), np.ix_(free, free)
     if free.any() and (inverse := _inverse(hessian[at], scale[free])) is not None:
         found[at] = inverse
