@@ -39,7 +39,7 @@ LIST = Path(__file__).with_name("campaigns.csv")
 TOLD = ("column", "run", "unit", "time_unit", "rate", "scale", "start", "stop")
 COLUMNS = ("campaign", "half", "base", "known", "asserted", "status", "told", "held out, times the noise", "CPU (s)")  # fmt: skip
 HALVES = {"learn": "open", "apart": "searched once", "fresh": "fresh"}
-AGAIN = "again"  # what was searched once, by another search than that was
+AGAIN = {"apart": "again", "fresh": "fresh again"}  # what was searched once, by another search than that was
 
 
 def listed(split=None):
@@ -137,7 +137,7 @@ def written(rows, path):
     if path.exists():
         with path.open(encoding="utf-8", newline="") as file:
             known = {tuple(row[:2]): row for row in list(csv.reader(file))[1:]} | known
-    places = [(name, half) for name in listed() for half in (*HALVES.values(), AGAIN)]
+    places = [(name, half) for name in listed() for half in (*HALVES.values(), *AGAIN.values())]
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerows([COLUMNS, *(known[place] for place in places if place in known)])
@@ -160,7 +160,9 @@ def main(argv=None):
     parser.add_argument("--pickles", type=Path, help="write the campaigns to this folder, and search nothing")
     parser.add_argument("--again", action="store_true", help="what was searched once; its own rows stay")
     given = parser.parse_args(argv)
-    half = AGAIN if given.again else HALVES[given.split]
+    if given.again and given.split not in AGAIN:
+        parser.error("the open half was searched many times: leave --again out")
+    half = (AGAIN if given.again else HALVES)[given.split]
     campaigns = {
         name: rows for name, rows in listed(given.split).items() if any(text in name for text in given.only)
     }

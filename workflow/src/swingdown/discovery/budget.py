@@ -2,7 +2,7 @@
 
 from ..fitting import effort
 
-_A_SECOND = 1e7  # of work (``effort``), about what a search does in a second of CPU time on one core
+_A_SECOND = 9e5  # of work (``effort``), about what a search does in a second of CPU time on one core
 
 
 class Budget:

@@ -196,7 +196,7 @@ def _from_all(
     and of the whole, there is nothing better to be found, and no other is tried. Else parts are grown into the whole, unless ``grow`` is False,
     and all starts tried. Of many samples a few tell where to: the search among all ends there.
     """
-    thin = problem.thinned(float(starts[0, 0]) if problem.where[0, 0] == 0 else problem.given[0, 0])
+    thin = problem.thinned(starts)
     grown, agreed = starts[:0], False
     if not first and len(starts) > 1:
         part = _search(thin, starts, min(most, 30), max(tolerance, _ROUGH), _TELLING)
@@ -250,7 +250,7 @@ def _search(
     angles = np.empty(sum(sizes)) if share == 1 else None
     asked = interface.Starts(starts, share == 1, until_noise, rough)
     found = interface.fit_swings(library, problem.c, asked, lengths, options, angles)
-    effort.add(found[4].evaluations * sum(lengths) * starts.shape[1])
+    effort.add(found[4].evaluations, starts.shape[1], share * problem.half_swings(starts), sum(lengths))
     if angles is None or len(sizes) == 1:
         return *found, [angles]
     return *found, np.split(angles, np.cumsum(sizes)[:-1])

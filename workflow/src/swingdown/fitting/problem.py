@@ -203,11 +203,16 @@ class Problem:
         bounds = interface.Bounds(self.lower, self.upper)
         self.c = interface.FitProblem(models, self.swings, self.where, self.given, bounds, self.known)
 
-    def thinned(self, frequency: float) -> "Problem":
-        """The problem with every so many samples only, as many as tell a pendulum of this frequency (rad/s); or itself."""
+    def half_swings(self, starts: Floats) -> float:
+        """How many half-swings all swings are together, about, at the natural frequency of the first start."""
+        frequency = float(starts[0, 0] if self.where[0, 0] == 0 else self.given[0, 0])
         seconds = sum(times[-1] - times[0] for times, _ in self.swings)
+        return float(max(abs(frequency), _SMALLEST_FREQUENCY) * seconds / np.pi)
+
+    def thinned(self, starts: Floats) -> "Problem":
+        """The problem with every so many samples only, as many as tell a pendulum of the starts' frequency; or itself."""
         shortest = min(times.size for times, _ in self.swings)
-        dense = self.n * np.pi / (_DENSE * max(abs(frequency), _SMALLEST_FREQUENCY) * seconds)
+        dense = self.n / (_DENSE * self.half_swings(starts))
         every = int(min(dense, self.n / _ENOUGH, shortest / _DENSE))
         if every < 2:
             return self
