@@ -167,6 +167,8 @@ FILES = {
     "readings, scale said": ("a.csv", text(("t (s)", "reading"), T, 512 + 300 * A), {"scale": "0.176"}),
     "volts, scale said": ("a.csv", text(("t (s)", "U (V)"), T, 2.5 + 0.8 * A), {"scale": "71.6 deg/V"}),
     "volts, scale said in rad": ("a.csv", text(("t (s)", "U (V)"), T, 2.5 + 0.8 * A), {"scale": "1.25 rad per V"}),
+    "volts, scale of a rate": ("a.csv", text(("t (s)", "U (V)"), T, 2.5 + 0.8 * A), {"scale": "0.061 deg/s"}),
+    "volts, scale of millivolts": ("a.csv", text(("t (s)", "U (V)"), T, 2.5 + 0.8 * A), {"scale": "0.07 deg/mV"}),
     "volts, scale said in words": ("a.csv", text(("t (s)", "U (V)"), T, 2.5 + 0.8 * A), {"scale": "about 70 degrees"}),
     "a gyroscope": ("a.csv", text(("Time (s)", "Gyroscope x (rad/s)", "Gyroscope y (rad/s)", "Gyroscope z (rad/s)"), T, 0.01 * RATE_OF, RATE_OF, 0.02 * RATE_OF), {}),
     "a wrapped angle": ("a.csv", text(DEGREES, T, WRAPPED), {}),

@@ -51,7 +51,7 @@ _NAMES = {"V": "V", "counts": "counts"}
 OF_A_MASS = "an acceleration, taken as the place of a mass on a spring: a loss itself shows in it, so that a structure as small as that may be none"
 RELATIVE = "relative"  # in the cell scale: nobody knows it
 _SCALE = re.compile(
-    r"(?P<number>[-+.\de]+)\s*(?P<unit>|deg(rees?)?|°|rad)(\s*(/|per )\s*\S+)?", re.IGNORECASE
+    r"(?i)(?P<number>[-+.\de]+)\s*(?P<unit>|deg(rees?)?|°|rad)(\s*(/|per )\s*(V|volt|counts?|steps?|readings?|units?))?"
 )
 _RAW = re.compile(
     r"(?i)\b(adc|raw|analog\w*|a0|sensor ?value|poti?|potentiometer|au|a\.u|arb|ch(annel)? ?\d+ ?v?)\b"

@@ -15,10 +15,8 @@ from ...pendulum.half_swings import lengthening, middles, reached
 from ...studies.amplitudes import of_samples
 
 COLUMNS = ["time_s", "amplitude_rad", "energy_loss", "period_ratio", "midpoint_rad"]
-_FEW, _ENOUGH = (
-    3.0,
-    10.0,
-)  # of a half-swing: of fewer no turn is told, from so many on it is told of the samples themselves
+_FEW = 3.0  # samples of a half-swing, of which no turn is told
+_ENOUGH = 10.0  # from so many on it is told of the samples themselves
 _FINER = 4  # times
 _HOLE = 1.5  # usual steps: over more nothing is between
 _QUANTITIES = ("energy_loss", "period_ratio", "midpoint_rad")
