@@ -101,13 +101,8 @@ def of_samples(
     )
     about = (rough[1:] + rough[:-1]) / 2
     ordered = np.sign(np.interp(about, times, quiet) - centre)
-    turns = _polynomials(
-        times,
-        angle,
-        rough[:-1] + _where_it_turns(times, quiet - centre, rough, ordered) * half,
-        turn * half,
-        4,
-    )
+    centres = rough[:-1] + _where_it_turns(times, quiet - centre, rough, ordered) * half
+    turns = _polynomials(times, angle, centres, turn * half, 4)
     widths = through * np.minimum(np.append(half, half[-1]), np.insert(half, 0, half[0]))
     passes = _polynomials(times, angle - centre, rough, widths, 3)
     noise = _noise(turns, passes)
@@ -202,7 +197,8 @@ def _where_it_turns(times: Floats, away: Floats, rough: Floats, side: Floats) ->
     share, large = (times[farthest] - rough[:-1]) / np.diff(rough), np.abs(away[farthest])
     found = np.full(share.size, 0.5)
     for one in (side > 0, side < 0):
-        usual = float(np.median(share[known])) if (known := one & (large > large.max() / 2)).any() else 0.5
+        known = one & (large > large.max() / 2)
+        usual = float(np.median(share[known])) if known.any() else 0.5
         if abs(usual - 0.5) > _ASTRAY:
             found[one] = usual
     return found

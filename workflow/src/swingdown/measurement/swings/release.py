@@ -154,9 +154,8 @@ def _window(times: Floats, signal: Floats, part: _Free) -> Window:
 
 def _rest(times: Floats, signal: Floats, period: float) -> float | None:
     """Until when (s) the samples are used of a pendulum that has come to rest; None for one that has not, or not for long."""
-    moving = np.flatnonzero(
-        np.abs(signal - np.median(signal[times > times[-1] - period])) > _still(times, signal)
-    )
+    tail = signal[times > times[-1] - period]
+    moving = np.flatnonzero(np.abs(signal - np.median(tail)) > _still(times, signal))
     if not len(moving) or times[-1] - times[moving[-1]] < LONG * period:
         return None
     return float(times[moving[-1]] + KEPT * period)
@@ -171,9 +170,8 @@ def _stays_until(times: Floats, signal: Floats) -> float | None:
     if not len(moving) or not abs(signal[0] - swings.centre()) < size / 2:
         return None
     share = min(still / size, 1.0)
-    longest = (np.arccos(1 - share) + np.arccos(1 - 2 * share)) / (
-        2 * np.pi
-    )  # to a turn, and back as far again
+    # to a turn, and back as far again
+    longest = (np.arccos(1 - share) + np.arccos(1 - 2 * share)) / (2 * np.pi)
     until = float(times[moving[0]])
     return until if until - times[0] > STAYS * longest * swings.period(times) else None
 

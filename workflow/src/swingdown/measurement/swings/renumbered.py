@@ -42,9 +42,7 @@ def lost_evenly(even: Even, period: float) -> list[str]:
         (*_sawtooth(rest, speed, left, every), every) for every in range(2, LONGEST + 1)
     )
     lost = round(size * every / (every - size)) if size <= every / 2 else 0
-    if _shaken(rest, speed, every) > taken:
-        return []
-    if not lost or stdtr(draws - 1, -student) > BY_CHANCE / looks:
+    if not lost or stdtr(draws - 1, -student) > BY_CHANCE / looks or _shaken(rest, speed, every) > taken:
         return []
     count, of = abs(lost), every + max(lost, 0)
     return [
