@@ -15,7 +15,7 @@ from swingdown.discovery.move.laws import with_each_law
 from swingdown.discovery.move.ranking import _from_the_best, in_place_of
 from swingdown.discovery.rounds import first_fit
 from swingdown.discovery.search import discover
-from swingdown.discovery.see.linear import frame
+from swingdown.discovery.see.linear import bounded, frame
 from swingdown.discovery.tell.files import summary
 from swingdown.discovery.tell.verdict import verdict
 from swingdown.engine.trajectory import simulate
@@ -59,6 +59,15 @@ def test_a_rival_in_a_false_minimum_begins_anew_beside_what_the_best_has(drag, a
     (drags,) = [one for one in again if one.added == "quadratic_drag" and one.dropped is None]
     assert drags.fit.rms == pytest.approx(NOISE, rel=0.05)
     assert all(one.added != "cubic_stiffness" for one in again)
+
+
+def test_a_bounded_step_is_the_same_in_any_unit():
+    unit, columns = 1e-9, np.random.default_rng(1).standard_normal((12, 3))
+    aim = np.random.default_rng(2).standard_normal(12)
+    low, high = np.array([0.0, -0.01, -np.inf]), np.array([np.inf, 0.01, np.inf])
+    whole = bounded(columns, aim, low, high)
+    assert np.abs(whole[1]) == pytest.approx(0.01)  # a bound holds it
+    assert bounded(columns, unit * aim, unit * low, unit * high) / unit == pytest.approx(whole, abs=1e-6)
 
 
 def test_another_spring_is_tried_beside_the_friction_that_has_nothing_to_do_without_one():
