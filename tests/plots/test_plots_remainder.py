@@ -1,4 +1,4 @@
-"""The picture of what a model still lacks: where the torque acts, of what it is a function, and when."""
+"""The picture of what a model still lacks: where the torque acts, how large it is, and when."""
 
 import matplotlib.colors
 import numpy as np
@@ -13,7 +13,7 @@ pytestmark = pytest.mark.usefixtures("frozen")
 
 TOLD = {
     "campaign": "bench",
-    "remainder": {"shares": {"position": 0.123, "velocity": 0.5, "sum": 0.75, "map": 1.0}},
+    "lacks": {"restoring": 0.00123, "dissipative": 0.005, "time": 0.0075, "sensor": 0.0},
 }
 
 
@@ -56,19 +56,35 @@ def test_the_map_has_each_torque_in_its_place_and_none_that_is_not_determined(fi
     assert weak.get_xydata() == pytest.approx(np.array([[np.degrees(-0.15), 1.0]]))
 
 
-def test_each_share_stands_right_of_its_bar(figure):
-    here = next(axes for axes in figure.axes if axes.get_title(loc="left") == "a function of")
+def test_each_size_stands_right_of_its_bar(figure):
+    here = next(axes for axes in figure.axes if axes.get_title(loc="left") == "how much")
     bars = {bar.get_y() + bar.get_height() / 2: bar.get_width() for bar in here.patches}
     names = dict(zip(here.get_yticks(), (one.get_text() for one in here.get_yticklabels()), strict=True))
-    assert {names[place]: width for place, width in bars.items()} == pytest.approx(
-        {"angle alone": 12.3, "speed alone": 50, "one added to the other": 75, "both together": 100}
-    )
-    assert names[max(names)] == "angle alone"  # uppermost
-    for text in here.texts:
-        x, y = text.get_position()
-        assert text.get_text() == f"{bars[y]:.0f} %" and x > bars[y]
-    assert list(here.get_xticks()) == [0, 50, 100] and here.get_xlim()[1] > 110
+    assert {names[place]: width for place, width in bars.items()} == {
+        "restoring": 0.00123,
+        "dissipative": 0.005,
+        "time-dependent": 0.0075,
+        "sensor": 0.0,
+    }
+    assert names[max(names)] == "restoring"  # uppermost
+    assert {names[text.xy[1]]: text.get_text() for text in here.texts} == {
+        "restoring": "1.2 mrad",
+        "dissipative": "5 mrad",
+        "time-dependent": "7.5 mrad",
+        "sensor": "0 mrad",
+    }
+    assert all(text.xy[0] == bars[text.xy[1]] for text in here.texts)
     assert not in_the_way(figure)
+
+
+def test_sizes_of_rates_and_of_lengths_have_their_own_unit(table, course):
+    def said(unit, **more):
+        figure = remainder(table, course, TOLD | more, unit)
+        here = next(axes for axes in figure.axes if axes.get_title(loc="left") == "how much")
+        return here.texts[0].get_text(), here.texts[-1].get_text()
+
+    assert said("rad", reading="rate") == ("0 mrad/s", "1.2 mrad/s")
+    assert said("V") == ("0 V", "0.0012 V")
 
 
 def test_the_course_is_that_of_the_swing_that_lacks_most_with_its_plain_times_marked(figure, course):

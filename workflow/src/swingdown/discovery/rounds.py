@@ -23,6 +23,7 @@ from .see.curves import COLUMNS, forms, missing
 from .see.locate import groups
 from .see.losses import COLUMNS as HALF_SWINGS
 from .see.losses import beside
+from .see.torques import PLANE, torques
 from .state import Round
 
 _TIED = np.log(100.0)  # of the evidence, below which the data do not tell two moves apart
@@ -79,10 +80,11 @@ def _most_probable(
 
 def unseen(campaign: Campaign, fit: Fit) -> Round:
     """The only ``Round`` of a search that broke off."""
-    nothing = pd.DataFrame(columns=COLUMNS)
-    table = pd.DataFrame(columns=[*HALF_SWINGS, "swing", "of"])
+    curves, plane, table = (
+        pd.DataFrame(columns=names) for names in (COLUMNS, PLANE, [*HALF_SWINGS, "swing", "of"])
+    )
     noise = noise_of(campaign, fit)
-    return Round(0, fit, predict(fit, campaign.holdout), noise, (), nothing, table, missing=True)
+    return Round(0, fit, predict(fit, campaign.holdout), noise, (), curves, plane, table, missing=True)
 
 
 def round_of(
@@ -102,8 +104,8 @@ def round_of(
         campaign.reading,
     )
     return Round(
-        number, fit, pool.held_out(fit), noise, tuple(groups(here.frame, noise, curves)), missing(here.frame, noise, curves),
-        table, tuple(pool.added(here.key)), pool.lacks(here), here.left(noise), here.widened,
+        number, fit, pool.held_out(fit), noise, tuple(groups(here.frame, noise, curves)),
+        missing(here.frame, noise, curves), torques(pool.unnamed, here.frame), table, tuple(pool.added(here.key)), pool.lacks(here), here.left(noise), here.lacks.sizes, here.widened,
         tuple(ranked), _tied(pool, ranked), None if to is None else _move(here.fit, to.fit, noise),
         criterion=pool.criterion,
     )  # fmt: skip

@@ -22,8 +22,9 @@ class Round:
     """The state after so many moves: the fit and where it fails, what could mend it, and what was chosen.
 
     ``found`` names the effects added so far; ``missing`` is whether the fit lacks more than the noise allows, and ``unnamed`` (rad, of a
-    rate rad/s) the RMS of that; ``ties`` are the moves of ``ranked`` that the data do not tell apart; ``curves`` is the table of missing
-    torques, ``half_swings`` that of what the fitted swings show without a model, beside what the model shows. ``widened`` tells by how
+    rate rad/s) the RMS of that, and ``sizes`` that of each kind of discrepancy; ``ties`` are the moves of ``ranked`` that the data do not tell
+    apart; ``curves`` and ``plane`` are the tables of missing torques, ``half_swings`` that of what the fitted swings show without a model,
+    beside what the model shows. ``widened`` tells by how
     much the standard error of each value is larger for what the model may lack. The last round of a search has what is judged:
     ``findings`` by effect found, ``probabilities`` by effect of being there, ``nothing`` of nothing being missing.
     """
@@ -34,10 +35,12 @@ class Round:
     noise: Noise
     groups: tuple[Group, ...]
     curves: pd.DataFrame
+    plane: pd.DataFrame
     half_swings: pd.DataFrame
     found: tuple[str, ...] = ()
     missing: bool = False
     unnamed: float = 0.0
+    sizes: Mapping[str, float] = field(default_factory=dict)
     widened: Mapping[str, float] = field(default_factory=dict)
     ranked: tuple[Candidate, ...] = ()
     ties: tuple[Candidate, ...] = ()

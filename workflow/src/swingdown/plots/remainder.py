@@ -9,18 +9,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..arrays import Floats
-from ..own_unit import axis, speed
+from ..discovery.see.locate import KINDS
+from ..own_unit import axis, small, speed
 from ..own_unit import shown as shown_in
+from ..pendulum.catalogue import RATE
 from . import style
 
 _KNOWN = 0.3  # of a torque on the map must be determined by the data for it to be drawn
 _PLAIN = 2.0  # standard errors from nothing
-_SHAPES = {
-    "position": "angle alone",
-    "velocity": "speed alone",
-    "sum": "one added to the other",
-    "map": "both together",
-}
+_LITTLE = 0.01  # of the largest kind: a smaller one is nothing beside it
 _COLOURS = "RdBu_r"
 
 
@@ -28,7 +25,7 @@ _COLOURS = "RdBu_r"
 def remainder(
     table: pd.DataFrame, course: pd.DataFrame, told: Mapping[str, Any], unit: str = "rad"
 ) -> Figure:
-    """The missing torque over angle and speed, what it is a function of, and its course in the swing that has most of it.
+    """The missing torque over angle and speed, how large each kind of it is, and its course in the swing that has most of it.
 
     ``table`` (``angle_rad``, ``speed_rad_per_s``, ``torque``, ``band``, ``known``, ``seen``) and ``course`` (``swing``, ``time_s``,
     ``torque``, ``band``) are those of a round, ``told`` its entry in ``rounds.json``, ``unit`` that of the angle. Where there is none the picture says so.
@@ -41,13 +38,13 @@ def remainder(
     left, right = upper.subplots(1, 2, width_ratios=(1.6, 1))
     drawn = _map(left, table, unit)
     upper.colorbar(drawn, ax=left, label=f"missing torque ({unit}/s²)", pad=0.02)
-    _shares(right, told["remainder"]["shares"])
+    _sizes(right, told["lacks"], unit + "/s" * (told.get("reading") == RATE))
     _course(lower.subplots(), course, unit)
     return style.footnote(
         figure,
         f"campaign {told['campaign']}",
         "blank: not determined; small points: less than two standard errors",
-        "torque over inertia, beyond what the model's own values can imitate",
+        "torque over inertia; what the model's own values imitate is open",
     )
 
 
@@ -73,15 +70,17 @@ def _map(axes: Axes, table: pd.DataFrame, unit: str) -> Any:
     return drawn
 
 
-def _shares(axes: Axes, shares: Mapping[str, float]) -> None:
-    """How much of the excess over the noise a torque of each kind would explain."""
-    names = list(_SHAPES)[::-1]
-    values = [100 * shares[name] for name in names]
+def _sizes(axes: Axes, sizes: Mapping[str, float], unit: str) -> None:
+    """How large what is missing is in the readings, by its kind."""
+    names = list(sizes)[::-1]
+    values = [sizes[name] for name in names]
+    most = max(values) or 1.0
     axes.barh(range(len(names)), values, color=style.FAINT, height=0.6)
     for k, value in enumerate(values):
-        axes.text(value + 2, k, f"{value:.0f} %", va="center", fontsize=9)
-    axes.set(xlim=(0, 120), xticks=(0, 50, 100), xlabel="share explained (%)", title="a function of")
-    axes.set_yticks(range(len(names)), [_SHAPES[name] for name in names])
+        told = small(value if value > _LITTLE * most else 0.0, unit, "{:.2g}".format)
+        axes.annotate(told, (value, k), (4, 0), textcoords="offset points", va="center", fontsize=9)
+    axes.set(xlim=(0, 1.6 * most), xticks=(), xlabel="RMS of the readings", title="how much")
+    axes.set_yticks(range(len(names)), [KINDS.get(name, name) for name in names])
 
 
 def _course(axes: Axes, course: pd.DataFrame, unit: str) -> None:

@@ -101,7 +101,7 @@ class Pool:
         self.campaign, self.noise, self.base, self.near = campaign, noise, key_of(base), near or base
         self.criterion = criterion
         period = 2 * np.pi / base.model.values[NATURAL_FREQUENCY.name]
-        self._unnamed = unnamed or Unnamed(self.near, campaign.fit, period, noise)
+        self.unnamed = unnamed or Unnamed(self.near, campaign.fit, period, noise)
         self._each = float(np.log(len(base.model.catalogue)))
         self._envelopes: dict[frozenset[int], Seen] = {}
         self._held_out: dict[int, tuple[Fit, Fit]] = {}  # by the identity of a fit: itself, and what it says
@@ -112,7 +112,7 @@ class Pool:
     @property
     def absolute(self) -> float:
         """The evidence of the best structure and of its noise, in units that no noise sets."""
-        return self.best.evidence + self._unnamed.level(self.best.frame) + self.noise.likely
+        return self.best.evidence + self.unnamed.level(self.best.frame) + self.noise.likely
 
     def look(self, fit: Fit) -> None:
         """Keep a fit where it is the best of its effects; one that cannot be seen to first order is passed over.
@@ -194,7 +194,7 @@ class Pool:
         return one.whole < 0.5 and one.left(self.noise) > self.noise.deviation
 
     def _seen(self, fit: Fit, there: Frame) -> Structure:
-        lacks = self._unnamed.beside(there)
+        lacks = self.unnamed.beside(there)
         free, key = len(fit.free) - len(fit.model.slack.names), key_of(fit)
         known = -0.5 * free * np.log(self.noise.effective(fit.n)) - self._each * len(key - self.base)
         beside = self._each * (1 + len(self.base - key))
@@ -203,7 +203,7 @@ class Pool:
     def under(self, noise: Noise) -> "Pool":
         """The same structures under another noise."""
         found = Pool(
-            self.campaign, noise, self.first.fit, self.near, self._unnamed.under(noise), self.criterion
+            self.campaign, noise, self.first.fit, self.near, self.unnamed.under(noise), self.criterion
         )
         found.take(self)
         return found

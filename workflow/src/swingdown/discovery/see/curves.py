@@ -5,13 +5,13 @@ from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
+from scipy.optimize import minimize_scalar
 
 from ...arrays import Floats
 from ...pendulum.effect import NATURAL_FREQUENCY
 from ..data.noise import Noise
 from .green import Motion, motions_of, responses
 from .linear import Frame
-from .remainder import most_likely
 
 COLUMNS = ["over", "part", "x", "torque", "band"]
 _POINTS = 41  # of a curve
@@ -97,7 +97,34 @@ def _estimate(frame: Frame, columns: Floats, noise: Noise) -> tuple[Floats, Floa
     residual = frame.outside(frame.residual)
     seen = left.T @ residual
     whole = float(residual @ residual)
-    found = most_likely(singular, seen, noise.slow_variance, whole, frame.samples)
+    found = _most_likely(singular, seen, noise.slow_variance, whole, frame.samples)
     along = right.T / size[:, None]
     mean = found.kept * seen / np.maximum(singular, 1e-300)
     return along @ mean, (along * (found.size * (1 - found.kept))) @ along.T
+
+
+class _Shrunk(NamedTuple):
+    """How large coefficients most likely are: their variance ``size``, the share of each that the data determine (``kept``), the variance that
+    counts as noise, and the sum of squares that is left."""
+
+    size: float
+    kept: Floats
+    variance: float
+    left: float
+
+
+def _most_likely(singular: Floats, seen: Floats, variance: float, whole: float, samples: int) -> _Shrunk:
+    """The ``_Shrunk`` of most evidence for coefficients along directions that do so much to the readings (``singular``), of which the
+    residual, whose sum of squares is ``whole``, has so much (``seen``). What is left of it beyond the noise's ``variance`` counts as noise."""
+    for _ in range(3):
+
+        def cost(logarithm: float, variance: float = variance) -> float:
+            power = variance + np.exp(logarithm) * singular**2
+            return float(np.sum(np.log(power) + seen**2 / power))
+
+        scale = np.log(variance / np.max(singular) ** 2)
+        size = float(np.exp(minimize_scalar(cost, bounds=(scale - 5, scale + 40), method="bounded").x))
+        kept = size * singular**2 / (variance + size * singular**2)
+        squares = whole - float(np.sum((1 - (1 - kept) ** 2) * seen**2))
+        variance = max(variance, squares / samples)
+    return _Shrunk(size, kept, variance, squares)

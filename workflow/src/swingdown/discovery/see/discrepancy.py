@@ -14,14 +14,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...arrays import Floats
+from ...arrays import Bools, Floats
 from ...fitting.result import Fit
 from ..data.campaign import Swing
 from ..data.noise import Noise
 from .green import motion
-from .kinds import KINDS, SMOOTH, rubs, units
+from .kinds import KINDS, SMOOTH, reach, rubs, units
 from .linear import Frame
-from .restricted import Likelihood, least
+from .restricted import At, Likelihood, least
 
 _BINS = 24  # a period: as finely as a pendulum's response to a smooth torque is seen
 _SEEN = 1e-8  # of the largest power of a direction in the readings: of less nothing is seen
@@ -110,6 +110,7 @@ class Unnamed:
             coarse = Swing(swing.name, mean.times, mean(swing.angle), swing.drive)
             motions.append(motion(one.model, coarse, one.release_angle, one.release_velocity))
         self._worked, self._kinds = units(motions, alike)
+        self.reach, self.recordings = reach(motions), 1 if alike else len(motions)
         self._set(noise)
 
     def under(self, noise: Noise) -> "Unnamed":
@@ -127,12 +128,40 @@ class Unnamed:
         self._directions, along = _reduced(np.concatenate(news), self._kinds)
         self._parts = [along[:, self._kinds == kind] for kind in range(self._kinds[-1] + 1)]
         self._kernels = np.stack([part @ part.T for part in self._parts])
-        self._rubs = rubs(self._parts)
+        self._rubs = rubs(self.recordings)
         self._most = self._first_order() if self._alike else np.inf
 
     def beside(self, frame: Frame) -> Discrepancy:
         """The ``Discrepancy`` of a fit seen in a ``Frame``."""
-        noise = self._noise
+        noise, at, triangle, kept = self._noise, *self._likeliest(frame)
+        model, free = at.model, at.model.rows - len(triangle)
+        scale = 1 / np.sqrt(frame.samples)
+        sizes, whole = at.work()
+        quick = max(at.noise - noise.slow_variance, 0.0) * free
+        alone, beside = (
+            _inverse(one) for one in (triangle.T @ triangle, triangle.T @ at.seen @ triangle * at.noise)
+        )
+        ratio = np.sqrt(np.maximum(np.diag(beside) / np.maximum(np.diag(alone), 1e-300), 1.0))
+        named = [(name, of) for name, of, there in zip(frame.names, frame.of, kept, strict=True) if there]
+        shared = [k for k, (_, of) in enumerate(named) if of < 0]
+        friction, error, _ = at.linear([one[None] for one in self._rubs])
+        return Discrepancy(
+            -float(at.cost),
+            -model.plain(float(np.hypot(_NOISE_KNOWN, noise.known))),
+            float(np.hypot(whole, np.sqrt(quick)) * scale),
+            dict(zip(KINDS, (sizes * scale).tolist(), strict=True)),
+            float(np.sqrt(at.left / free / noise.slow_variance)),
+            {named[k][0]: float(ratio[k]) for k in shared},
+            float(friction[0]),
+            float(error[0]),
+        )
+
+    def most_likely(self, frame: Frame) -> At:
+        """The most likely discrepancy of a fit seen in a ``Frame``: ``At.linear`` of ``kinds.weights`` is the torque (rad/s^2) that it lacks."""
+        return self._likeliest(frame)[0]
+
+    def _likeliest(self, frame: Frame) -> tuple[At, Floats, Bools]:
+        """The likelihood of a fit's residual where it is largest; what the fit's values do, as a triangle, and which do anything."""
         size = np.linalg.norm(frame.slopes, axis=0)
         kept = size > 0
         basis, triangle = np.linalg.qr(self._binned(frame, frame.slopes[:, kept] / size[kept]))
@@ -147,27 +176,9 @@ class Unnamed:
             inside[:, 1:],
             float(left @ left),
             left.size,
-            noise.slow_variance,
+            self._noise.slow_variance,
         )
-        scale = 1 / np.sqrt(frame.samples)
-        at = least(model, self._most, self._beyond_first_order(frame))
-        sizes, whole = at.work()
-        quick = max(at.noise - noise.slow_variance, 0.0) * (left.size - basis.shape[1])
-        alone, beside = (
-            _inverse(one) for one in (triangle.T @ triangle, triangle.T @ at.seen @ triangle * at.noise)
-        )
-        ratio = np.sqrt(np.maximum(np.diag(beside) / np.maximum(np.diag(alone), 1e-300), 1.0))
-        named = [(name, of) for name, of, there in zip(frame.names, frame.of, kept, strict=True) if there]
-        shared = [k for k, (_, of) in enumerate(named) if of < 0]
-        return Discrepancy(
-            -float(at.cost),
-            -model.plain(float(np.hypot(_NOISE_KNOWN, noise.known))),
-            float(np.hypot(whole, np.sqrt(quick)) * scale),
-            dict(zip(KINDS, (sizes * scale).tolist(), strict=True)),
-            float(np.sqrt(at.left / (left.size - basis.shape[1]) / noise.slow_variance)),
-            {named[k][0]: float(ratio[k]) for k in shared},
-            *at.linear(self._rubs),
-        )
+        return least(model, self._most, self._beyond_first_order(frame)), triangle, kept
 
     def level(self, frame: Frame) -> float:
         """What the logarithms of evidences lack of those of the readings themselves, in rad: the same for all fits under this noise."""

@@ -19,69 +19,77 @@ SMOOTH = 0.35, 1.2
 _KEPT = 1e-5  # of the largest variance of a kind: directions that have less are left out
 # nodes over angle, and how far they hang together, of a torque that is there at some angles only
 _FINE = 25, 0.12
+_EACH = 3  # torques of each smoothness
 
 
-def units(motions: list[Motion], alike: bool = False) -> tuple[list[Floats], NDArray[np.intp]]:
+def reach(motions: Sequence[Motion]) -> tuple[float, float]:
+    """The largest angle (rad) and speed (rad/s) of these motions."""
+    angles, speeds = ([float(np.max(np.abs(series))) for series in of]
+                      for of in ([one.angle for one in motions], [one.speed for one in motions]))  # fmt: skip
+    return max(angles), max(speeds)
+
+
+def units(motions: Sequence[Motion], alike: bool = False) -> tuple[list[Floats], NDArray[np.intp]]:
     """The work of each unit of discrepancy on the readings of each motion (bin, unit), and the kind of each unit, first of the first
     smoothness.
 
     The torque in time is each recording's own, or ``alike`` in all.
     """
-    largest = max(float(np.max(np.abs(one.angle))) for one in motions)
-    fastest = max(float(np.max(np.abs(one.speed))) for one in motions)
+    largest, fastest = reach(motions)
     blocks: list[list[Floats]] = []
     for k, one in enumerate(motions):
-        torques, readings = _shapes(one, largest, fastest)
+        elapsed = (one.times - one.times[0]) / (one.times[-1] - one.times[0])
+        torques = shapes(one.angle / largest, one.speed / fastest, elapsed)
         edges = np.cumsum([0, *(shape.shape[1] for shape in torques)])
-        worked = response(one, np.hstack(torques))
+        worked = np.split(response(one, np.hstack(torques)), edges[1:-1], axis=1)
         found = []
-        for first in range(0, len(torques) - 2, 3):
-            restoring, dissipative, in_time = (
-                worked[:, edges[first + j] : edges[first + j + 1]] for j in range(3)
-            )
+        for first in range(0, _EACH * len(SMOOTH), _EACH):
+            restoring, dissipative, in_time = worked[first : first + _EACH]
             if not alike:
-                own = np.zeros((len(worked), len(motions), in_time.shape[1]))
+                own = np.zeros((len(in_time), len(motions), in_time.shape[1]))
                 own[:, k] = in_time
-                in_time = own.reshape(len(worked), -1)
-            found += [restoring, dissipative, in_time, readings[first // 3]]
-        found += [worked[:, edges[-3] : edges[-2]], worked[:, edges[-2] :]]
-        blocks.append(found)
+                in_time = own.reshape(len(in_time), -1)
+            found += [restoring, dissipative, in_time, torques[first][one.at]]
+        blocks.append([*found, *worked[-2:]])
     kinds = np.concatenate([np.full(block.shape[1], k) for k, block in enumerate(blocks[0])])
     return [np.hstack(found) for found in blocks], kinds
 
 
-def _shapes(one: Motion, largest: float, fastest: float) -> tuple[list[Floats], list[Floats]]:
-    """Torques on the grid of times (restoring, dissipative, in time for each smoothness, and a fine one over the angle of either) and errors of the reading at its samples."""
-    angles, speeds, since = np.linspace(-1, 1, _ANGLES), np.linspace(0, 1, _SPEEDS), np.linspace(0, 1, _TIMES)
-    at = hats(one.angle / largest, angles)
-    side = (one.speed >= 0)[:, None]
-    both = over_both(one.angle / largest, one.speed / fastest, angles, speeds)
-    elapsed = hats((one.times - one.times[0]) / (one.times[-1] - one.times[0]), since)
-    torques: list[Floats] = []
-    readings: list[Floats] = []
+def shapes(angle: Floats, speed: Floats, elapsed: Floats) -> list[Floats]:
+    """What the torque of each unit is (place, unit) at places given as shares of the largest angle and speed and of the record: over the
+    angle, over angle and speed, and in time (steady, with the angle and with the speed), for each smoothness, and a fine one over the angle,
+    in either direction and in each. An error of the sensor goes over the reading as the first of each smoothness over the angle."""
+    angles, speeds, times = np.linspace(-1, 1, _ANGLES), np.linspace(0, 1, _SPEEDS), np.linspace(0, 1, _TIMES)
+    at, both, since = hats(angle, angles), over_both(angle, speed, angles, speeds), hats(elapsed, times)
+    found: list[Floats] = []
     for smooth in SMOOTH:
-        course = elapsed @ _root(_TIMES, 1.0, smooth)
-        in_time = [course, course * (one.angle / largest)[:, None], course * (one.speed / fastest)[:, None]]
-        along = at @ _root(_ANGLES, 2.0, smooth)
-        torques += [along, both @ _root_of_both(smooth), np.hstack(in_time)]
-        readings.append(along[one.at])
-    fine = hats(one.angle / largest, np.linspace(-1, 1, _FINE[0])) @ _root(_FINE[0], 2.0, _FINE[1])
-    return [*torques, fine, np.hstack([fine * side, fine * ~side])], readings
+        course = since @ _root(_TIMES, 1.0, smooth)
+        in_time = [course, course * angle[:, None], course * speed[:, None]]
+        found += [at @ _root(_ANGLES, 2.0, smooth), both @ _root_of_both(smooth), np.hstack(in_time)]
+    fine = hats(angle, np.linspace(-1, 1, _FINE[0])) @ _root(_FINE[0], 2.0, _FINE[1])
+    side = (speed >= 0)[:, None]
+    return [*found, fine, np.hstack([fine * side, fine * ~side])]
 
 
-def rubs(parts: Sequence[Floats]) -> list[Floats]:
+def weights(torques: Sequence[Floats], recordings: int) -> list[Floats]:
+    """What ``shapes`` are at some places as weights of the units of each kind (place, unit), without those in time, which each of the
+    ``recordings`` has for itself unless they are the same in all (1), and without errors of the sensor."""
+    found: list[Floats] = []
+    for first in range(0, _EACH * len(SMOOTH), _EACH):
+        over_angle, both, in_time = torques[first : first + _EACH]
+        found += [over_angle, both, np.tile(0 * in_time, (1, recordings)), 0 * over_angle]
+    return [*found, *torques[-2:]]
+
+
+def rubs(recordings: int) -> list[Floats]:
     """The weights of the units of each kind in the torque against the motion at the middle, as the speed goes to nothing.
 
     At the middle, since at an edge a loss in bent material is a torque at rest as well.
     """
-    weights: list[Floats] = [np.zeros(part.shape[1]) for part in parts]
-    slow = np.zeros((_ANGLES, 2, _SPEEDS))
-    slow[_ANGLES // 2, :, 0] = -0.5, 0.5  # of those of either direction (``over_both``)
-    for k, smooth in enumerate(SMOOTH):
-        weights[len(KINDS) * k + 1] = _root_of_both(smooth).T @ slow.ravel()
-    middle = _root(_FINE[0], 2.0, _FINE[1])[_FINE[0] // 2]
-    weights[-1] = np.concatenate([-0.5 * middle, 0.5 * middle])
-    return weights
+    forward, back = (
+        weights(shapes(np.zeros(1), np.array([side]), np.zeros(1)), recordings) for side in (1e-300, -1e-300)
+    )
+    return [((two - one) / 2)[0] for one, two in zip(forward, back, strict=True)]
 
 
 def _near(count: int, span: float, smooth: float) -> Floats:

@@ -129,16 +129,14 @@ class At:
         )
         return beyond[:-1], float(beyond[-1])
 
-    def linear(self, weights: Sequence[Floats]) -> tuple[float, float]:
-        """(value, standard error) of what is linear in the units of each kind, with these weights."""
-        of = zip(self.sizes, self.model.parts, weights, strict=True)
-        along = np.sum([size * part @ weight for size, part, weight in of], axis=0)
-        across = self.across.T @ along
-        known = (
-            along @ cho_solve((self.root, True), along, check_finite=False) - across @ self.inverse @ across
-        )
-        free = sum(size * weight @ weight for size, weight in zip(self.sizes, weights, strict=True))
-        return float(along @ self.pulled), float(np.sqrt(max(free - known, 0.0)))
+    def linear(self, weights: Sequence[Floats]) -> tuple[Floats, Floats, Floats]:
+        """(value, standard error, that before the data) of what is linear in the units of each kind, with these weights (any, unit)."""
+        of = list(zip(self.sizes, self.model.parts, weights, strict=True))
+        along = np.sum([size * part @ weight.T for size, part, weight in of], axis=0)
+        within, across = cho_solve((self.root, True), along, check_finite=False), self.across.T @ along
+        before = np.sum([size * np.sum(weight**2, axis=1) for size, _, weight in of], axis=0)
+        known = np.einsum("ij,ij->j", along, within) - np.einsum("ij,ij->j", across, self.inverse @ across)
+        return self.pulled @ along, np.sqrt(np.maximum(before - known, 0.0)), np.sqrt(before)
 
     @property
     def left(self) -> float:

@@ -28,18 +28,15 @@ from ..data.campaign import Campaign, Swing, campaign
 from ..judge.confirm import gap, per_swing
 from ..judge.findings import Finding
 from ..move.own_frequency import frequencies
+from ..see.course import NO_COURSE, Course, course
 from ..see.linear import frame
 from ..see.locate import kind
 from ..see.losses import said
-from ..see.remainder import COURSE, MAP, Remainder, remainder
 from ..state import Round
 from .verdict import in_unit
 
 ROUNDS = "rounds.json"
 _RANKING = ["move", "added", "also", "dropped", "delta_bic", "gain_bic", "rms_rad", "tied", "refused", "effects"]  # fmt: skip
-
-
-_NOTHING = Remainder(pd.DataFrame(columns=MAP), {}, pd.DataFrame(columns=COURSE), 0.0, 0.0)
 
 
 def read_campaign(name: str, paths: Sequence[Path | str], roles: Sequence[str]) -> tuple[Campaign, bool]:
@@ -120,17 +117,17 @@ def write_rounds(
     """
     folder, told = Path(folder), []
     for state in states:
-        lacks = _NOTHING
+        when = NO_COURSE
         if state.missing:  # a motion that cannot be followed more finely is no reason to lose the verdict
             with suppress(TrajectoryError, np.linalg.LinAlgError):
-                lacks = remainder(frame(state.fit, campaign.fit), state.noise)
+                when = course(frame(state.fit, campaign.fit), state.noise)
         told.append(
             summary(state, campaign)
-            | {"remainder": {"shares": lacks.shares, "torque": lacks.torque, "gain": lacks.gain}}
+            | {"course": {"torque": when.size, "gain": when.gain}}
             | dict(members or {})
         )
         for place in ["first"] * (state is states[0]) + ["last"] * (state is states[-1]):
-            _write_round(state, campaign, folder / place, emulated, lacks, told[-1])
+            _write_round(state, campaign, folder / place, emulated, when, told[-1])
     write_json(folder / ROUNDS, told)
 
 
@@ -142,7 +139,7 @@ def write_models(states: Sequence[Round], outputs: Sequence[Path | str]) -> None
 
 
 def _write_round(
-    state: Round, campaign: Campaign, folder: Path, emulated: bool, lacks: Remainder, told: Mapping[str, Any]
+    state: Round, campaign: Campaign, folder: Path, emulated: bool, when: Course, told: Mapping[str, Any]
 ) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     write_model(state.model, folder / "model.yaml")
@@ -151,8 +148,8 @@ def _write_round(
     tables = {
         "map": state.curves,
         "half_swings": state.half_swings,
-        "remainder": lacks.map,
-        "course": lacks.course,
+        "remainder": state.plane if state.missing else state.plane[:0],
+        "course": when.table,
     }
     for name, table in tables.items():
         write_csv(_in_own_unit(table, campaign.own), folder / f"{name}.csv", float_format="%.6g")
@@ -213,7 +210,7 @@ def summary(state: Round, campaign: Campaign) -> dict[str, Any]:
     """What ``rounds.json`` holds of a ``Round``: the state in numbers and words, the groups, and the ranking."""
     chosen, swings = state.chosen, [s.name for s in (*campaign.fit, *campaign.holdout)]
     ratios = [*per_swing(state.fit, state.noise), *per_swing(state.holdout, state.noise)]
-    best = state.ranked[0].bic if state.ranked else 0.0
+    best, step = state.ranked[0].bic if state.ranked else 0.0, campaign.own.step if campaign.own else 1.0
     at = kind(state.groups) if state.missing else None
     return {
         "round": state.number,
@@ -236,6 +233,7 @@ def summary(state: Round, campaign: Campaign) -> dict[str, Any]:
         "gap_by_swing": dict(zip(swings, map(float, ratios), strict=True)),
         "missing": state.missing,
         in_unit("unnamed", campaign.reading): state.unnamed,
+        "lacks": {name: step * size for name, size in state.sizes.items()},
         "kind": at,
         "seen": said(state.half_swings, at, campaign.own),
         "groups": [vars(group) for group in state.groups],

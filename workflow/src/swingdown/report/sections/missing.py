@@ -12,7 +12,7 @@ from ..material import Material
 from ..page import Column, Figure, Item, Section, Table, Text, cells
 
 CAPTIONS = {
-    "remainder": "What the last model still lacks: a torque over angle and speed together, of what it is a function, and when it acts.",
+    "remainder": "What the last model still lacks: a torque over angle and speed together, how large each kind is, and when it acts.",
     "residuals": "What the base model and the last model leave of the swings that were worst at first, with the measured noise.",
     "gap": "The residual in units of the measured noise, move by move; the held-out swings had no part in any fit but their own releases.",
     "map": "The torque that is missing, over angle, velocity and time, from the equations of variation: no data are differentiated.",
