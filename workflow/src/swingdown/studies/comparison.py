@@ -126,9 +126,8 @@ def _effective(first: Mapping[str, Floats], second: Mapping[str, Floats], sample
     better = first["norm"] < second["norm"]
     inflation = np.where(better, first["variance_inflation"], second["variance_inflation"])
     independent = np.maximum(samples / inflation, 2.0)
-    return 2 * independent * np.log(first["norm"] / second["norm"]) + (
-        first["terms"] - second["terms"]
-    ) * np.log(independent)
+    more = first["terms"] - second["terms"]
+    return 2 * independent * np.log(first["norm"] / second["norm"]) + more * np.log(independent)
 
 
 def holm(p: Floats) -> Floats:

@@ -66,9 +66,8 @@ def _evidence(norms: xr.Dataset, catalogue: Catalogue) -> tuple[list[str], Float
         over(norms, key, "fitted", "parameter").reshape(len(labels), len(known), -1)
         for key in ("value", "standard_error")
     )
-    sound = ~((values[:, at] < 0).any(axis=(1, 2)) | _beyond_bounds(values, known, effects)) & np.isfinite(
-        evidence
-    )
+    sound = np.isfinite(evidence) & ~(values[:, at] < 0).any(axis=(1, 2))
+    sound &= ~_beyond_bounds(values, known, effects)
     unsure = np.all(np.abs(values[:, at]) < errors[:, at], axis=2)
     sound &= [not _ran_away(k, compress(sized, unsure[k]), labels, evidence) for k in range(len(labels))]
     # of a frequency within its standard error of none no pendulum is seen, but a friction that winds up as a spring does
@@ -77,11 +76,9 @@ def _evidence(norms: xr.Dataset, catalogue: Catalogue) -> tuple[list[str], Float
     told = np.isfinite(errors).any(axis=(1, 2))
     sound &= told | ~told.any()
     # swings that keep their size have no sound law: a friction that winds up would follow their shape as a spring does
-    plain = [
-        k for k, label in enumerate(labels) if not any(catalogue[one].states for one in label.split("+"))
-    ]
-    usable = np.flatnonzero(sound).tolist() or plain or list(range(len(labels)))
-    return labels, evidence, usable
+    winds_up = [any(catalogue[one].states for one in label.split("+")) for label in labels]
+    plain = [k for k, one in enumerate(winds_up) if not one]
+    return labels, evidence, np.flatnonzero(sound).tolist() or plain or list(range(len(labels)))
 
 
 def _beyond_bounds(values: Floats, known: Sequence[str], effects: Iterable[Effect]) -> Bools:
@@ -113,24 +110,18 @@ def rivals(norms: xr.Dataset, label: str, catalogue: Catalogue = SHIPPED) -> lis
     that include none of the others."""
     labels, evidence, usable = _evidence(norms, catalogue)
     chosen = evidence[labels.index(label)]
-    near = [
-        labels[k]
-        for k in usable
-        if evidence[k] - chosen <= WORTH and not _includes(labels[k], label, catalogue)
-    ]
-    return [
-        one for one in near if not any(one != other and _includes(one, other, catalogue) for other in near)
-    ]
+    near = [labels[k] for k in usable if evidence[k] - chosen <= WORTH]
+    near = [one for one in near if not _includes(one, label, catalogue)]
+    inside = {one for one in near for other in near if one != other and _includes(one, other, catalogue)}
+    return [one for one in near if one not in inside]
 
 
 def _includes(label: str, other: str, catalogue: Catalogue) -> bool:
     """True where the model ``label`` has each effect of another one, or an effect that becomes it: a drag by a power of the speed is viscous at the
     first power."""
-    there = set(label.split("+"))
-    there |= {
-        simpler.name for name in tuple(there) if name in catalogue for simpler in catalogue[name].contains
-    }
-    return set(other.split("+")) <= there
+    own = label.split("+")
+    simpler = {one.name for name in own if name in catalogue for one in catalogue[name].contains}
+    return set(other.split("+")) <= {*own, *simpler}
 
 
 def weights(norms: xr.Dataset, catalogue: Catalogue = SHIPPED) -> dict[str, float]:
@@ -171,12 +162,10 @@ def over_laws(
     dict
         The means over the laws; an uncertainty holds that of each law, and how far they are apart. A parameter keeps the value of its model.
     """
-    known = known or {}
-    told = {name: one for own in known.values() for name, one in own.items() if name not in UNITS}
-    each = [
-        (share, known.get(label) or described(norms, label, catalogue, amplitude)[1])
-        for label, share in weight.items()
-    ]
+    own = dict(known or {})
+    told = {name: one for found in own.values() for name, one in found.items() if name not in UNITS}
+    own |= {label: described(norms, label, catalogue, amplitude)[1] for label in weight if not own.get(label)}
+    each = [(share, own[label]) for label, share in weight.items()]
     return about(told, each) | over_models(each, UNITS)
 
 

@@ -257,12 +257,9 @@ def _swing(angle: xr.Dataset) -> tuple[str, Floats, Floats]:
         return name, times, series
     crossings = np.count_nonzero(np.diff(np.signbit(series - np.median(series))))
     if times.size < 4 * _ENOUGH or crossings < _ENOUGH + 1:
-        raise InputError(
-            f"recording {name}",
-            f"too few swings to fit: the angle crosses its middle {crossings} times",
-            f"at least {_ENOUGH} whole half-swings",
-            "record longer, or widen ⟨start_s⟩ and ⟨stop_s⟩",
-        )
+        problem = f"too few swings to fit: the angle crosses its middle {crossings} times"
+        mend = "record longer, or widen ⟨start_s⟩ and ⟨stop_s⟩"
+        raise InputError(f"recording {name}", problem, f"at least {_ENOUGH} whole half-swings", mend)
     try:
         first_guess(times, series, reading=str(dataset.series_of(angle).name))
     except InputError as problem:

@@ -20,18 +20,20 @@ from .norms import Variable, spread
 
 One = TypeVar("One")
 
+_OF_EACH = (
+    "value",
+    "standard_error",
+    "random_standard_error",
+    "systematic_standard_error",
+    "coverage_factor",
+)
 DIMS: dict[str, tuple[str, ...]] = {
-    "fit": ("fitted", "time"),
-    "residual": ("fitted", "time"),
+    **dict.fromkeys(("fit", "residual", "time_residual"), ("fitted", "time")),
     **dict.fromkeys(("correlation", "covariance"), ("fitted", "parameter", "parameter_2")),
-    **dict.fromkeys(
-        ("value", "standard_error", "random_standard_error", "systematic_standard_error", "coverage_factor"),
-        ("fitted", "parameter"),
-    ),
+    **dict.fromkeys(_OF_EACH, ("fitted", "parameter")),
     "systematic": ("fitted", "parameter", "source"),
     "course_shift": ("fitted", "course"),
     "course_covariance": ("fitted", "course", "course_2"),
-    "time_residual": ("fitted", "time"),
     **dict.fromkeys(("nuisance_value", "nuisance_standard_error"), ("fitted", "nuisance")),
 }
 
@@ -41,11 +43,10 @@ def row_of_fit(
 ) -> dict[str, Any]:
     """What is kept of every fit, by name."""
     known = uncertainty(fit, swings, free=True)
-    systematic = np.sqrt(np.sum(known.systematic**2, axis=1))
     parts = {
         "standard_error": standard_errors(known.covariance),
         "random_standard_error": standard_errors(known.random),
-        "systematic_standard_error": systematic,
+        "systematic_standard_error": np.sqrt(np.sum(known.systematic**2, axis=1)),
         "coverage_factor": known.factors,
     }
     errors = {key: dict(zip(fit.free, values, strict=True)) for key, values in parts.items()}
@@ -153,22 +154,18 @@ def options_of(models: Sequence[Model], start: str) -> dict[str, Any]:
 
 def facts_of(angle: xr.Dataset) -> dict[str, tuple[str, str]]:
     """What is to be known of a recording's angle, as {name: (value, long_name)}."""
-    return {
-        "campaign": (str(angle.attrs.get("campaign", "")), "pendulum the recording belongs to"),
-        "emulated": (str(angle.attrs.get("emulated", "no")), "whether the recording is emulated"),
-        "label": (
-            str(angle.attrs.get("label", angle.attrs.get("recording", ""))),
-            "the recording's name as it was written",
-        ),
-        "reading": (str(dataset.series_of(angle).name), "what the sensor reads: angle or rate"),
-        "uncertainty": (str(angle.attrs.get("mode", "unknown")), "what the angle's uncertainty is from"),
-        "points": (
-            str(angle.attrs.get("points", "")),
-            "what the points are, where they are no samples of the motion",
-        ),
-        "again": (str(angle.attrs.get(AGAIN, "")), "how it was read once more, as no model followed it"),
-        "points_unit": (str(angle.attrs.get("points_unit", "rad")), "unit of the amplitudes as read"),
+    told, reading = angle.attrs, dataset.series_of(angle).name
+    found = {
+        "campaign": (told.get("campaign", ""), "pendulum the recording belongs to"),
+        "emulated": (told.get("emulated", "no"), "whether the recording is emulated"),
+        "label": (told.get("label", told.get("recording", "")), "the recording's name as it was written"),
+        "reading": (reading, "what the sensor reads: angle or rate"),
+        "uncertainty": (told.get("mode", "unknown"), "what the angle's uncertainty is from"),
+        "points": (told.get("points", ""), "what the points are, where they are no samples of the motion"),
+        "again": (told.get(AGAIN, ""), "how it was read once more, as no model followed it"),
+        "points_unit": (told.get("points_unit", "rad"), "unit of the amplitudes as read"),
     }
+    return {name: (str(value), text) for name, (value, text) in found.items()}
 
 
 def coords_of(angle: xr.Dataset, names: Sequence[str]) -> dict[str, dataset.Labelled]:
@@ -211,10 +208,8 @@ def in_units(found: xr.Dataset, reading: str) -> xr.Dataset:
     for name in ("fit", "residual", "rms", "norm", "error_bound_norm", "zero", "zero_u"):
         if name in found:
             about = found[name].attrs
-            about |= {
-                "units": f"{about['units']}/s",
-                "long_name": about["long_name"].replace("angle", "angular rate"),
-            }
+            about["units"] += "/s"
+            about["long_name"] = about["long_name"].replace("angle", "angular rate")
     return found
 
 

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from ..arrays import finite_or_none
 from ..errors import InputError
 from ..measurement.stated import Stated, quantity
 from ..pendulum.half_swings import lengthening
@@ -63,9 +64,8 @@ class Gravity:
     def sentence(self) -> str:
         """What is said of it."""
         known = np.isfinite(self.uncertainty)
-        return (
-            f"g = {plus_minus(self.value, self.uncertainty) if known else self.text} m/s², {of_words(self)}"
-        )
+        number = plus_minus(self.value, self.uncertainty) if known else self.text
+        return f"g = {number} m/s², {of_words(self)}"
 
     @property
     def text(self) -> str:
@@ -77,7 +77,7 @@ class Gravity:
         budget = self.budget.astype(object).where(self.budget.notna(), None)
         return {
             "value": self.value,
-            "standard_uncertainty": self.uncertainty if np.isfinite(self.uncertainty) else None,
+            "standard_uncertainty": finite_or_none(self.uncertainty),
             "standard_uncertainty_without_length": self.u_without_length,
             "unit": UNIT,
             "text": self.text,
@@ -245,23 +245,21 @@ def of_two_pivots(table: pd.DataFrame, stated: Mapping[str, Mapping[str, Any]]) 
     InputError where these are not two.
     """
     rows = {row["recording"]: row for row in table.to_dict("records")}
-    given = {
-        name: _cell(cells, PIVOT) for name, cells in stated.items() if name in rows and _cell(cells, PIVOT)
-    }
+    given = {name: text for name in stated if name in rows and (text := _cell(stated[name], PIVOT))}
+    if not given:
+        return {}
     pairs: list[tuple[Stated, Stated]] = []
     for name, text in given.items():
         distance = quantity(text, "m", f"recording {name}, {PIVOT}", "distance of a pivot", f"correct ⟨{PIVOT}⟩")  # fmt: skip
         if frequency := frequency_of(rows[name]):
             pairs.append((frequency, distance))
-    if not given:
-        return {}
     if len(pairs) != 2:
         raise InputError(
             PIVOT, f"{len(pairs)} recordings with a period and the distance of a pivot",
             "two: one body about two pivots", "give each of two files one release",
         )  # fmt: skip
-    (first, one), (second, other) = pairs
-    return {TWO: gravity_of_two_pivots((first, second), (one, other))}
+    frequencies, distances = zip(*pairs, strict=True)
+    return {TWO: gravity_of_two_pivots(frequencies, distances)}
 
 
 def of_words(one: Gravity) -> str:
@@ -279,10 +277,8 @@ def _cells(
 ) -> Mapping[str, Any]:
     if row["recording"] != TOGETHER:
         return stated.get(row["recording"], {})
-    members = table.loc[
-        (table["campaign"] == row["campaign"]) & (table["recording"] != TOGETHER), "recording"
-    ]
-    each = [{key: _cell(stated.get(one, {}), key) for key in STATED} for one in members]
+    own = table.loc[table["campaign"] == row["campaign"], "recording"]
+    each = [{key: _cell(stated.get(one, {}), key) for key in STATED} for one in own if one != TOGETHER]
     return each[0] if each and all(one == each[0] for one in each) else {}
 
 

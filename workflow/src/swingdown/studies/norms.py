@@ -154,10 +154,8 @@ def combine_recordings(datasets: Iterable[xr.Dataset]) -> xr.Dataset:
     of_one = ("time", "source", "nuisance")  # what recordings of different pendulums do not share
     datasets = [dataset.drop_dims(of_one, errors="ignore") for dataset in datasets]
     names = [str(dataset["recording"].item()) for dataset in datasets]
-    if twice := {name for name in names if names.count(name) > 1}:
-        raise InputError(
-            "experiment/norms", f"recording {sorted(twice)[0]!r} is there twice", "each recording once"
-        )
+    if twice := sorted(name for name in names if names.count(name) > 1):
+        raise InputError("experiment/norms", f"recording {twice[0]!r} is there twice", "each recording once")
     parts = [_with_recording(dataset) for dataset in datasets]
     combined = parts[0].copy() if len(parts) == 1 else _combined(parts, "recording", "experiment/norms")
     emulated = "yes" if "yes" in combined["emulated"].values else "no"
@@ -184,11 +182,7 @@ def _combined(datasets: Sequence[xr.Dataset], dimension: str, where: str) -> xr.
         raise InputError(where, "there is no swing to fit", "at least one", "add swings to the sample sheet")
     for dataset in datasets[1:]:
         if list(dataset["fitted"].values) != list(datasets[0]["fitted"].values):
-            raise InputError(
-                where,
-                "the parts were fitted with different models",
-                "the same models throughout",
-                "delete the parts and run again",
-            )
+            problem = "the parts were fitted with different models"
+            raise InputError(where, problem, "the same models throughout", "delete the parts and run again")
     return xr.concat(datasets, dimension, data_vars="all", coords="different", compat="equals", join="exact",
                      combine_attrs="drop_conflicts")  # fmt: skip

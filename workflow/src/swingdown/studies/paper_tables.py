@@ -41,13 +41,9 @@ def table2(norms: xr.Dataset, published: pd.DataFrame) -> pd.DataFrame:
         standard_error_of_std, unit, note. Rows are those of the paper's cells that were computed, or every cell if none was. The note names
         what was inferred, and which settings are not those of the paper.
     """
-    cells = [
-        (s, f)
-        for s, f in zip(published["simulated"], published["fitted"], strict=True)
-        if s in norms["simulated"].values and f in norms["fitted"].values
-    ]
-    cells = cells or [(s, f) for s in norms["simulated"].values for f in norms["fitted"].values]
     printed = published.set_index(["simulated", "fitted"])
+    computed = [(s, f) for s in norms["simulated"].values for f in norms["fitted"].values]
+    cells = [cell for cell in printed.index if cell in computed] or computed
     note = _settings_note(norms.attrs, norms.sizes["realization"])
     rows = []
     for simulated, fitted in cells:
@@ -97,11 +93,9 @@ def table3(norms: xr.Dataset, published: pd.DataFrame) -> pd.DataFrame:
     rows = []
     for campaign, chosen in norms.groupby("campaign", squeeze=False):
         unscaled = (chosen["uncertainty"] == UNSCALED).values
+        modes = ", ".join(sorted(set(as_text(chosen["uncertainty"]))))
         about = ["emulated recordings"] if "yes" in chosen["emulated"].values else []
-        about += [
-            f"uncertainty of the angle: {', '.join(sorted(set(as_text(chosen['uncertainty']))))}",
-            OTHER_APPARATUS,
-        ]
+        about += [f"uncertainty of the angle: {modes}", OTHER_APPARATUS]
         norm, chi2, bics, inflation = (
             over(chosen, key, "fitted", "recording")
             for key in ("norm", "reduced_chi2", "bic", "variance_inflation")
@@ -136,8 +130,5 @@ def _negative(parameters: Sequence[str], values: Floats) -> Iterator[str]:
 
 def statistics(values: Floats) -> tuple[float, float, int]:
     """Mean, standard deviation (n - 1; NaN for a single value) and n."""
-    return (
-        float(np.mean(values)),
-        float(np.std(values, ddof=1)) if values.size > 1 else np.nan,
-        int(values.size),
-    )
+    deviation = float(np.std(values, ddof=1)) if values.size > 1 else np.nan
+    return float(np.mean(values)), deviation, int(values.size)

@@ -100,15 +100,8 @@ def parameter_budget(fits: Iterable[xr.Dataset]) -> pd.DataFrame:
                 variance = float(errors["standard_error"][k, n]) ** 2
                 sources = {"random": float(errors["random_standard_error"][k, n])}
                 sources |= dict(zip(names, map(float, systematic[k, n]), strict=True))
-                where = {"campaign": campaign, "fitted": label, "parameter": name}
                 rows += [
-                    where
-                    | {
-                        "source": source,
-                        "contribution": size,
-                        "share": size**2 / variance,
-                        "unit": units[name],
-                    }
+                    (campaign, label, name, source, size, size**2 / variance, units[name])
                     for source, size in sources.items()
                     if size**2 > _NEGLIGIBLE * variance
                 ]

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from scipy.optimize import brentq, least_squares
 from scipy.special import chdtrc, stdtrit
 
-from ..arrays import Floats
+from ..arrays import Floats, finite_or_none
 from ..errors import InputError
 from ..measurement.straight_line import FEWEST, Line, fit_line
 from ..rounding import plus_minus, value_with_uncertainty
@@ -165,12 +165,10 @@ class PowerLaw:
 
     def to_dict(self) -> dict[str, Any]:
         """A dict of plain numbers; None for what is not known."""
-        found = {
-            name: getattr(self, name)
-            for name in ("exponent", "u_exponent", "factor", "u_factor", "at", "offset", "u_offset", "theory")
-        }
+        names = ("exponent", "u_exponent", "factor", "u_factor", "at", "offset", "u_offset", "theory")
+        found = {name: getattr(self, name) for name in names}
         found |= {"chi2": self.scatter.chi2, "dof": self.scatter.dof, "p": self.scatter.p, "birge_ratio": self.scatter.birge, "widened_by": self.scatter.widening}  # fmt: skip
-        return {key: _known(one) if isinstance(one, float) else one for key, one in found.items()}
+        return {key: finite_or_none(one) if isinstance(one, float) else one for key, one in found.items()}
 
 
 def power_law(
@@ -215,9 +213,8 @@ def power_law(
     law = PowerLaw(line.slope, float(u_exponent), factor, float(factor * u_factor), at, 0.0, float("nan"), scatter, np.empty(0), theory)  # fmt: skip
     if np.isfinite(theory):
         weight = 1 / (logs[3] ** 2 + extra**2 + (theory * logs[2]) ** 2 + np.finfo(float).tiny)
-        law = replace(
-            law, theory_factor=float(np.exp(np.average(logs[1] - theory * logs[0], weights=weight)))
-        )
+        held = np.exp(np.average(logs[1] - theory * logs[0], weights=weight))
+        law = replace(law, theory_factor=float(held))
     return replace(law, residuals=y - law(x))
 
 
@@ -245,9 +242,8 @@ def _with_offset(x: Floats, y: Floats, u_x: Floats, u_y: Floats, theory: float, 
     offset, factor, exponent = map(float, fit.x[:3])
     law = PowerLaw(exponent, float(u[2]), factor, float(u[1]), at, offset, float(u[0]), scatter, np.empty(0), theory)  # fmt: skip
     if np.isfinite(theory):
-        held = least_squares(
-            lambda values: left(values, theory), np.delete(fit.x, 2), x_scale=np.delete(scale, 2)
-        )
+        begin, sizes = np.delete(fit.x, 2), np.delete(scale, 2)
+        held = least_squares(left, begin, x_scale=sizes, args=(theory,))
         law = replace(law, theory_offset=float(held.x[0]), theory_factor=float(held.x[1]))
     return replace(law, residuals=y - law(x))
 
@@ -334,7 +330,7 @@ class LengthsAndPeriods:
 
     def to_dict(self) -> dict[str, Any]:
         """A dict of plain numbers."""
-        return {"g_m_per_s2": self.g, "u_g_m_per_s2": self.u_g, "lengths_too_short_by_m": self.short, "u_lengths_too_short_by_m": self.u_short, "exponent_of_lengths_so_off": _known(self.shifted.exponent), "u_exponent_of_lengths_so_off": _known(self.shifted.u_exponent), "birge_ratio": self.scatter.birge}  # fmt: skip
+        return {"g_m_per_s2": self.g, "u_g_m_per_s2": self.u_g, "lengths_too_short_by_m": self.short, "u_lengths_too_short_by_m": self.u_short, "exponent_of_lengths_so_off": finite_or_none(self.shifted.exponent), "u_exponent_of_lengths_so_off": finite_or_none(self.shifted.u_exponent), "birge_ratio": self.scatter.birge}  # fmt: skip
 
 
 def gravity_of_lengths(
@@ -364,9 +360,8 @@ def gravity_of_lengths(
     slopes = np.array([1 / slope, -short / slope])
     g = 4 * np.pi**2 / slope
     u_g, u_short = g / slope * np.sqrt(covariance[1, 1]), np.sqrt(slopes @ covariance @ slopes)
-    return LengthsAndPeriods(
-        g, float(u_g), short, float(u_short), (lengths, periods, u_x, u_y), line, scatter
-    )
+    points = lengths, periods, u_x, u_y
+    return LengthsAndPeriods(g, float(u_g), short, float(u_short), points, line, scatter)
 
 
 def _shifted(x: Floats, y: Floats, u_x: Floats, u_y: Floats, short: float) -> ShiftedLaw:
@@ -403,7 +398,3 @@ def _shifted(x: Floats, y: Floats, u_x: Floats, u_y: Floats, short: float) -> Sh
         return law(found, alike)
     found = fit(_further(lambda extra: 2 * fit(extra).cost, dof, float(np.std(log_y)), 1e-4))
     return law(found, max(uncertainty(found) * _student(dof), alike))
-
-
-def _known(value: float) -> float | None:
-    return value if np.isfinite(value) else None

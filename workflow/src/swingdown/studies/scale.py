@@ -50,12 +50,9 @@ class Scale:
         """The doubt in words, with what is left in ``unit``; empty where there is none."""
         if self.factor == 1.0:
             return ""
-        down = self.factor < 1
-        way, mistake = (
-            ("smaller", "degrees taken for rad, or a spring's pull?")
-            if down
-            else ("larger", "rad taken for degrees?")
-        )
+        way, mistake = "larger", "rad taken for degrees?"
+        if self.factor < 1:
+            way, mistake = "smaller", "degrees taken for rad, or a spring's pull?"
         return (
             f"the unit is in doubt ({mistake}): damping leaves {1e3 * self.left_given:.3g} m{unit} RMS of these swings, and "
             f"{1e3 * self.left:.3g} m{unit} where they are {1 / DEGREE:.3g} times {way}"

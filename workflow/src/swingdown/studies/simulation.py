@@ -117,11 +117,8 @@ def simulation_norms(
         The settings' key ``effects``.
     """
     if simulated not in realizations["simulated"].values:
-        raise InputError(
-            "simulation.simulated",
-            f"{simulated!r} was not simulated",
-            ", ".join(realizations["simulated"].values),
-        )
+        known = ", ".join(realizations["simulated"].values)
+        raise InputError("simulation.simulated", f"{simulated!r} was not simulated", known)
     chosen = realizations.sel(simulated=simulated)
     times, truth, swings = (chosen[name].values for name in ("time", "truth", "noisy"))
     family = models(fitted, own, realizations.attrs["restoring"], realizations.attrs["form"])
@@ -140,9 +137,8 @@ def simulation_norms(
         "realization": ("realization", chosen["realization"].values, dict(chosen["realization"].attrs)),
     }
     data = xr.Dataset(variables, coords, realizations.attrs | {"start": start})
-    return labelled(
-        data, norm="RMS of fit minus noise-free truth", least_squares_norm="RMS of fit minus noise-free truth"
-    )
+    meaning = "RMS of fit minus noise-free truth"
+    return labelled(data, norm=meaning, least_squares_norm=meaning)
 
 
 def _rows(

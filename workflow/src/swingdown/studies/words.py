@@ -86,14 +86,10 @@ def quantity_rows(row: Mapping[str, Any], verdict: Mapping[str, Any] | None = No
     }
     only = _only(row)
     order = [name for name in _WORDS if name in found] + [name for name in found if name not in _WORDS]
+    known = {"g": float(row.get("g_u_without_length_m_per_s2", nan))}
+    words = {name: _WORDS.get(name, name.replace("_", " ")) for name in order}
     told = [
-        QuantityRow(
-            name,
-            _WORDS.get(name, name.replace("_", " ")),
-            *found[name],
-            conditions.get(name, only),
-            float(row.get("g_u_without_length_m_per_s2", nan)) if name == "g" else nan,
-        )  # fmt: skip
+        QuantityRow(name, words[name], *found[name], conditions.get(name, only), known.get(name, nan))
         for name in order
     ]
     if verdict and verdict["status"] in NAMING and row.get("model_of") != SEARCH:
@@ -188,8 +184,7 @@ def _stops(model: str, catalogue: Catalogue, restoring: str) -> list[str]:
 
 def or_models(row: Mapping[str, Any]) -> list[str]:
     """The labels of the models of damping that describe a row's swings as well as its own does."""
-    others = row.get("or_model")
-    return others.split("; ") if isinstance(others, str) and others else []
+    return _parts(row, "or_model")
 
 
 def damping_words(row: Mapping[str, Any]) -> str:
@@ -254,8 +249,13 @@ def told_of(verdict: Mapping[str, Any], spoken: Language = IN_ENGLISH) -> str:
 
 def notes(row: Mapping[str, Any]) -> list[str]:
     """What is to be known of the values of a row beside their uncertainties, a sentence each."""
-    note = row.get("note")
-    return note.split("; ") if isinstance(note, str) else []
+    return _parts(row, "note")
+
+
+def _parts(row: Mapping[str, Any], cell: str) -> list[str]:
+    """What a cell of a row holds side by side; nothing where it is empty."""
+    told = row.get(cell)
+    return told.split("; ") if isinstance(told, str) and told else []
 
 
 def said(verdict: Mapping[str, Any]) -> tuple[str, str]:
