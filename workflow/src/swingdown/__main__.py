@@ -29,10 +29,8 @@ def verify_results(results: str) -> int:
         for path in paths:
             print(printable(f"{kind}: {path}"))
     if any(differences.values()):
-        print(
-            ", ".join(f"{len(paths)} {kind}" for kind, paths in differences.items() if paths)
-            + f"; {count} files are listed"
-        )
+        each = ", ".join(f"{len(paths)} {kind}" for kind, paths in differences.items() if paths)
+        print(f"{each}; {count} files are listed")
         if differences["missing"] or differences["changed"]:
             print("Mend: delete what was changed, and give the study's command again")
         return 1
@@ -70,9 +68,8 @@ def _among(choices: Sequence[str]) -> Callable[[str], str]:
             return text
         near = difflib.get_close_matches(text, choices, 1, 0.4)
         meant = f"; did you mean {near[0]}?" if near else ""
-        raise argparse.ArgumentTypeError(
-            f"invalid choice: {text!r} (choose from {', '.join(choices)}){meant}"
-        )
+        known = ", ".join(choices)
+        raise argparse.ArgumentTypeError(f"invalid choice: {text!r} (choose from {known}){meant}")
 
     return chosen
 
@@ -93,9 +90,8 @@ def _parser() -> argparse.ArgumentParser:
         description="From recordings of a swinging pendulum to its period, its damping, and what a model of it still lacks. "
         "A config file is run as a study; `verify` compares a study's files with its manifest.",
     )
-    parser._negative_number_matcher = re.compile(
-        r"-\.?\d"
-    )  # a length that is refused, as -20cm, is no option
+    # a length that is refused, as -20cm, is no option
+    parser._negative_number_matcher = re.compile(r"-\.?\d")
     add = parser.add_argument
 
     def flag(name: str, told: str) -> None:
@@ -127,11 +123,8 @@ def _parser() -> argparse.ArgumentParser:
     number("--counts-per-revolution", "N", "counts of an encoder for a turn")
     told = "degrees for one unit of raw readings or volts; or two readings at known angles: 512=0,700=30"
     text("--scale", "DEG", told)
-    number(
-        "--zero-tolerance",
-        "RAD",
-        "how far the zero of an angle may be off, in rad (default: 0.1, and the swings tell it)",
-    )
+    told = "how far the zero of an angle may be off, in rad (default: 0.1, and the swings tell it)"
+    number("--zero-tolerance", "RAD", told)
     told = (
         "distance from the pivot to the middle of the bob: 0.583±0.001 (m), 58.3(1)cm. It gives g, and the angle if one coordinate "
         "was recorded (350px)"
@@ -238,12 +231,10 @@ def _is_config(path: Path) -> bool:
 
 def _check_command(given: Sequence[str]) -> None:
     """None, or InputError for a word that is no file, and nearly a command."""
-    first = given[0]
-    if difflib.get_close_matches(first, COMMANDS, 1) and not Path(first).exists():
-        meant = difflib.get_close_matches(first, COMMANDS, 1)[0]
-        raise InputError(
-            first, "there is no such file", "a file or a folder of files", f"did you mean swingdown {meant}?"
-        )
+    meant = difflib.get_close_matches(given[0], COMMANDS, 1)
+    if meant and not Path(given[0]).exists():
+        mend = f"did you mean swingdown {meant[0]}?"
+        raise InputError(given[0], "there is no such file", "a file or a folder of files", mend)
 
 
 if __name__ == "__main__":

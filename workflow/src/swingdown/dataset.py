@@ -119,9 +119,8 @@ def read(path: str | Path) -> xr.Dataset:
     with reading(path):
         dataset = xr.load_dataset(path, engine="netcdf4", decode_times=False, decode_timedelta=False)
     if dataset.attrs.get("complete") != 1:
-        raise InputError(
-            path, "it has no completeness mark", "the attribute complete = 1, written last", MAKE_ANEW
-        )
+        expected = "the attribute complete = 1, written last"
+        raise InputError(path, "it has no completeness mark", expected, MAKE_ANEW)
     if lost := [f"{name} has no {key}" for name, key in _unlabelled(dataset) if key == "units"]:
         raise InputError(path, "; ".join(lost), "units on every float variable", MAKE_ANEW)
     dataset.attrs.pop(SEALED, None)
@@ -136,12 +135,8 @@ def _check_sealed(path: str | Path) -> None:
         return
     with needed("netCDF4").Dataset(path) as file:
         if SEALED in file.ncattrs():
-            raise InputError(
-                path,
-                "another program has changed it: the seal behind its end is gone",
-                "the file as it was written",
-                MAKE_ANEW,
-            )
+            problem = "another program has changed it: the seal behind its end is gone"
+            raise InputError(path, problem, "the file as it was written", MAKE_ANEW)
 
 
 def attributes(path: str | Path) -> dict[str, Any]:
@@ -168,9 +163,8 @@ def reading(path: str | Path) -> Iterator[None]:
     except (InputError, MemoryError):
         raise
     except Exception as error:  # a damaged file makes the reader fail in ways that nobody listed
-        raise InputError(
-            path, f"it cannot be read ({error})", "an undamaged netCDF file", MAKE_ANEW
-        ) from error
+        problem = f"it cannot be read ({error})"
+        raise InputError(path, problem, "an undamaged netCDF file", MAKE_ANEW) from error
 
 
 def _unlabelled(dataset: xr.Dataset) -> Iterator[tuple[Hashable, str]]:

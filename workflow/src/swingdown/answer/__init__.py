@@ -202,9 +202,8 @@ def _of_swings(
             given, each = [angle for angle, _ in each_way], [fits for _, fits in each_way]
             together = each[0] if len(given) == 1 else fit_campaign(given, known)
     except NotFree as problem:
-        raise type(problem)(
-            problem.where, joined(problem.problem, unit), problem.expected, problem.mend
-        ) from problem
+        told = joined(problem.problem, unit)
+        raise type(problem)(problem.where, told, problem.expected, problem.mend) from problem
     except (ArithmeticError, np.linalg.LinAlgError) as problem:
         raise breaks_off("swing") from problem
     norms = combine_recordings(each)
@@ -213,10 +212,8 @@ def _of_swings(
     table = pendulums(norms, [] if len(given) == 1 else [together], catalogue=entries)
     if courses := ask_counted(table, given) if checked else {}:
         own = table.get("note", pd.Series("", index=table.index)).astype(object).fillna("")
-        table["note"] = [
-            joined(note, courses[name][1] if name in courses else "")
-            for name, note in zip(table["recording"], own, strict=True)
-        ]
+        goes = [courses[name][1] if name in courses else "" for name in table["recording"]]
+        table["note"] = list(map(joined, own, goes))
         last = {name: period for name, (period, _) in courses.items()}
         table["last_period_s"] = table["recording"].map(last).fillna(table.get("last_period_s", np.nan))
     # a motor's period is that of its swings, whatever their unit
@@ -253,15 +250,12 @@ def _fitted(
     )
     if not np.isfinite(list(values.values())).all():
         return None, {}
-    return model.with_values(values, errors), {
-        str(one["recording"].item()): Begin(
-            float(one["time"].values[0]),
-            float(one["release_angle"].sel(fitted=model.label)),
-            float(one["release_velocity"].sel(fitted=model.label)),
-            float(one["time"].values[-1] - one["time"].values[0]),
-        )
-        for one in each
-    }
+    begins = {}
+    for one in each:
+        times, fit = one["time"].values, one.sel(fitted=model.label)
+        release = float(fit["release_angle"]), float(fit["release_velocity"])
+        begins[str(one["recording"].item())] = Begin(float(times[0]), *release, float(times[-1] - times[0]))
+    return model.with_values(values, errors), begins
 
 
 @told_to(TO_FIT)
@@ -424,15 +418,8 @@ def searchable(name: str, given: Sequence[xr.Dataset], doubt: str = "") -> Campa
 def _shown(state: Round, whole: Campaign) -> tuple[Shown, ...]:
     """The swings beside what the last model of a search makes of them, in the order of their times."""
     times = whole.own.step if whole.own else 1.0
-    found = [
-        Shown(
-            *Shown.named(swing.name),
-            swing.times,
-            times * swing.angle,
-            times * one.angle,
-            swing in whole.holdout,
-            whole.unit,
-        )
-        for swing, one in _with_fits(state, whole)
-    ]
+    found = []
+    for swing, one in _with_fits(state, whole):
+        read, fit, held_out = times * swing.angle, times * one.angle, swing in whole.holdout
+        found.append(Shown(*Shown.named(swing.name), swing.times, read, fit, held_out, whole.unit))
     return tuple(sorted(found, key=lambda one: (one.recording, float(one.times[0]))))

@@ -35,6 +35,9 @@ if TYPE_CHECKING:
     from ..plots.style import Drawn
 
 
+_WITH_ANGLES = "a swing, turning points, or passages with speeds"
+
+
 class Begin(NamedTuple):
     """How a fitted swing begins.
 
@@ -105,7 +108,7 @@ class Answer:
             If only passages without speeds are given.
         """
         if self.fitted_model is None:
-            raise InputError("model", f"the damping is {self.label}", "a swing, turning points, or passages with speeds")  # fmt: skip
+            raise InputError("model", f"the damping is {self.label}", _WITH_ANGLES)
         return self.fitted_model
 
     @property
@@ -152,10 +155,8 @@ class Answer:
 
     @property
     def _as_given(self) -> list[str]:
-        told = [
-            (one.attrs["recording"], one.attrs["remarks"]) for one in self.swings if one.attrs.get("remarks")
-        ]
-        return [f"{name}: {text}" for name, text in told]
+        noticed = [one.attrs for one in self.swings if one.attrs.get("remarks")]
+        return [f"{one['recording']}: {one['remarks']}" for one in noticed]
 
     def with_verdict(self, found: Mapping[str, Any], shown: tuple[Shown, ...] = ()) -> "Answer":
         """The same answer with a verdict.
@@ -170,10 +171,9 @@ class Answer:
         table = self.table.copy().astype(object)
         row = by_verdict(self.table.iloc[-1].to_dict(), found)
         table = pd.concat([table.iloc[:-1], pd.DataFrame([row])], ignore_index=True)
-        searched = (
-            of_verdict(found, self.restoring, self.catalogue) if row.get("model_of") == SEARCH else None
-        )
-        fitted = searched or self.fitted
+        fitted = self.fitted
+        if row.get("model_of") == SEARCH:
+            fitted = of_verdict(found, self.restoring, self.catalogue) or fitted
         return replace(self, verdict=found, shown=shown or self.shown, table=in_order(table), fitted=fitted)
 
     def with_g(self, stated: Mapping[str, Mapping[str, Any]]) -> "tuple[Answer, dict[str, Gravity]]":
@@ -259,11 +259,7 @@ class Answer:
         if what != "swings":
             raise InputError("plot", f"there is no picture {what!r}", "swings, curves or laws")
         if not self.shown:
-            raise InputError(
-                "plot",
-                "passages without speeds hold no angle",
-                "a swing, turning points, or passages with speeds",
-            )
+            raise InputError("plot", "passages without speeds hold no angle", _WITH_ANGLES)
         from ..plots.answer import swings_with_fit
 
         noise = noise_rms(self.verdict) if self.verdict else None

@@ -68,13 +68,8 @@ def series(answers: Mapping[str, Answer], found: Varied) -> tuple[list[Series], 
         if found.by:
             raise
         return [], [f"no series is made: {problem.problem}"]
-    used = {one.by for one in made}
-    known = set(KNOWN) | {GROUP}
-    return made, [
-        line
-        for line in found.told
-        if made and (line.split(" ", 1)[0] in used or line.split(" ", 1)[0] not in known)
-    ]
+    idle = {*KNOWN, GROUP} - {one.by for one in made}
+    return made, [line for line in found.told if made and line.split(" ", 1)[0] not in idle]
 
 
 def as_cells(kept: Sequence[Taken], made: Sequence[Series]) -> None:
@@ -88,9 +83,8 @@ def as_cells(kept: Sequence[Taken], made: Sequence[Series]) -> None:
             continue
         for point in one.table.to_dict("records"):
             taken = rows[point["recording"]]
-            if taken.row.get(one.by) or (
-                one.by == "length" and "one coordinate" in taken.recording.attrs.get("remarks", "")
-            ):
+            of_angle = one.by == "length" and "one coordinate" in taken.recording.attrs.get("remarks", "")
+            if taken.row.get(one.by) or of_angle:
                 continue
             error = point.get("u_x", 0.0)
             taken.row[one.by] = (
@@ -140,9 +134,8 @@ def asked(by: str) -> tuple[str, Stated | None]:
     found = read(rest)
     known = found.of(KNOWN.get(column, found.unit)) if found else None
     if known is None or not known.value > 0:
-        raise InputError(
-            f"--by {by}", f"{rest!r} is no uncertainty of {column}", "as length±1mm", "correct it"
-        )
+        problem = f"{rest!r} is no uncertainty of {column}"
+        raise InputError(f"--by {by}", problem, "as length±1mm", "correct it")
     return column, known
 
 

@@ -115,19 +115,13 @@ def swing_of(
     if not noise >= 0:
         raise InputError("noise", f"{noise!r}", "a standard deviation, 0 or more")
     before = at.size and since is not None and since < at[0]
+    clock = np.concatenate([[since], at]) if before else at
+    speed = array_units.value(velocity, "rad/s", "velocity")
     try:
-        read = trajectory(
-            model,
-            np.concatenate([[since], at]) if before else at,
-            start,
-            array_units.value(velocity, "rad/s", "velocity"),
-        )
+        read = trajectory(model, clock, start, speed)[clock.size - at.size :]
     except TrajectoryError as problem:
-        raise InputError(
-            "model", str(problem), "values of a pendulum that swings back and forth"
-        ) from problem
-    if before:
-        read = read[1:]
+        expected = "values of a pendulum that swings back and forth"
+        raise InputError("model", str(problem), expected) from problem
     if noise:
         read = read + noise * np.random.default_rng(seed).standard_normal(read.size)
     unit = READINGS[model.reading]

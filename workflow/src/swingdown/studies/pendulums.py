@@ -99,7 +99,7 @@ def judged(
     found = {str(one["campaign"]): one for one in verdicts}
     told = {} if left_out is None else {str(one.recording): one for one in left_out.itertuples()}
     each = Counter(row["campaign"] for row in rows if row["recording"] not in told)
-    judged = []
+    table = []
     for row in rows:
         lost = told.pop(row["recording"], None)
         verdict = {} if lost else found.get(row["campaign"], {})
@@ -107,15 +107,15 @@ def judged(
             row = by_verdict(row, verdict)
         remark = joined(verdict.get("unit_doubt", ""), row["remark"], lost.problem if lost else "")
         row |= {"verdict": verdict.get("status", ""), "missing": _named(verdict), "remark": remark}
-        judged.append(row)
+        table.append(row)
     for name, one in told.items():
         if getattr(one, "code", "") == NOT_LOOKED_AT:
             continue
         label = getattr(one, "label", "")
         label = printable(label if isinstance(label, str) and label else Path(str(one.file)).stem)
         row = {"campaign": str(one.campaign), "recording": name, "label": label, "verdict": REFUSED}
-        judged.append(row | {"remark": f"{one.file}: {one.problem}"})
-    return in_order(pd.DataFrame(judged))
+        table.append(row | {"remark": f"{one.file}: {one.problem}"})
+    return in_order(pd.DataFrame(table))
 
 
 def in_order(table: pd.DataFrame) -> pd.DataFrame:

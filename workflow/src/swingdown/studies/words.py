@@ -184,7 +184,8 @@ def _stops(model: str, catalogue: Catalogue, restoring: str) -> list[str]:
 
 def or_models(row: Mapping[str, Any]) -> list[str]:
     """The labels of the models of damping that describe a row's swings as well as its own does."""
-    return _parts(row, "or_model")
+    others = row.get("or_model")
+    return others.split("; ") if isinstance(others, str) and others else []
 
 
 def damping_words(row: Mapping[str, Any]) -> str:
@@ -249,13 +250,8 @@ def told_of(verdict: Mapping[str, Any], spoken: Language = IN_ENGLISH) -> str:
 
 def notes(row: Mapping[str, Any]) -> list[str]:
     """What is to be known of the values of a row beside their uncertainties, a sentence each."""
-    return _parts(row, "note")
-
-
-def _parts(row: Mapping[str, Any], cell: str) -> list[str]:
-    """What a cell of a row holds side by side; nothing where it is empty."""
-    told = row.get(cell)
-    return told.split("; ") if isinstance(told, str) and told else []
+    note = row.get("note")
+    return note.split("; ") if isinstance(note, str) else []
 
 
 def said(verdict: Mapping[str, Any]) -> tuple[str, str]:
