@@ -64,12 +64,8 @@ class Band(NamedTuple):
             ends = np.sort([function(self.value + sign * self.factor * self.u) for sign in (1, -1)], axis=0)
             u = np.abs(function(self.value + self.u / 10) - function(self.value - self.u / 10)) * 5
         # where a loss may be none at all, a quality may be as high as one likes
-        crossed = (
-            (self.value - self.factor * self.u <= 0)
-            & (ends[0] < 0)
-            & (value > 0)
-            & (function(np.array([1e-9]))[0] > 1)
-        )
+        crossed = (self.value - self.factor * self.u <= 0) & (ends[0] < 0) & (value > 0)
+        crossed &= function(np.array([1e-9]))[0] > 1
         ends = np.where(crossed, [np.where(ends[1] > 0, ends[1], ends[0]), np.full(value.size, np.inf)], ends)
         return value, u, ends[0], ends[1]
 
@@ -196,9 +192,8 @@ def _by_source(bands: Sequence[Mapping[str, Band]], scaled: bool) -> dict[str, A
         for name, function in _OF_LOSS.items():
             columns[name].append(one["loss"].through(function))
         for name in ("restoring", "friction"):
-            columns[name].append(
-                plain[name] if scaled else tuple(np.full_like(part, np.nan) for part in plain[name])
-            )
+            unknown = tuple(np.full_like(part, np.nan) for part in plain[name])
+            columns[name].append(plain[name] if scaled else unknown)
     variables: dict[str, Any] = {}
     for name, (against, unit, words) in CURVES.items():
         for k, (ending, more) in enumerate(_ENDINGS.items()):
@@ -218,10 +213,7 @@ _ENDINGS = {
 def _single(swings: Sequence[HalfSwings], scale: float) -> dict[str, Any]:
     """The swings as they were measured: recording, amplitude, period and loss, each with its standard uncertainty."""
     parts = [_measured(one) for one in swings]
-    names = np.concatenate(
-        [np.full(len(one), swing.recording) for one, swing in zip(parts, swings, strict=True)]
-    )
-    table = np.vstack(parts)
+    names, table = np.repeat([one.recording for one in swings], list(map(len, parts))), np.vstack(parts)
     words = {
         "swing_amplitude": ("rad", "amplitude of a swing"),
         "swing_period": ("s", "period of a swing"),

@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from ..arrays import Floats
 from ..errors import InputError
@@ -56,9 +57,8 @@ class Free:
         share, u, factor = self.period.band(rows, self.period_off(amplitude))
         usual = 2 * np.pi / self.scale * self.ideal.lengthening(amplitude)
         share = share + self.beyond.table.at(amplitude)[:, 2 if self.passages else 1]
-        share = share + beyond_durations(
-            self.ideal, self.stiffness, self.period.mean[: rows.shape[1]], amplitude
-        )
+        told = self.period.mean[: rows.shape[1]]
+        share = share + beyond_durations(self.ideal, self.stiffness, told, amplitude)
         return usual * (1 + share), usual * u, factor
 
     def period_off(self, amplitude: Floats) -> Floats:
@@ -88,9 +88,8 @@ class Free:
         inside = np.clip(angle, self.low, self.high)
         loss = self.loss_at(inside)[0]
         more, own = self.early.stiffer(loss, self.beyond.table.at(inside)[:, 3])
-        share, u, factor = self.period.band(
-            self.stiffness.at(angle), np.hypot(own, self.restoring_off(angle))
-        )
+        off = np.hypot(own, self.restoring_off(angle))
+        share, u, factor = self.period.band(self.stiffness.at(angle), off)
         return usual * (1 + share + more), usual * u, factor
 
     def friction_at(self, speed: Floats) -> Banded:
@@ -110,12 +109,9 @@ def free(swings: Sequence[HalfSwings], restoring: str = "sine") -> Free:
     """
     swings = [one for one in swings if one.angle.size >= _LEAST] or swings[:1]
     if sum(one.angle.size for one in swings) < FEWEST:
-        raise InputError(
-            swings[0].recording if len(swings) == 1 else "recordings",
-            f"{sum(one.angle.size for one in swings)} half-swings above the noise",
-            f"at least {FEWEST}",
-            "record longer",
-        )
+        where = swings[0].recording if len(swings) == 1 else "recordings"
+        problem = f"{sum(one.angle.size for one in swings)} half-swings above the noise"
+        raise InputError(where, problem, f"at least {FEWEST}", "record longer")
     ideal = Ideal(restoring if all(one.scaled for one in swings) else "linear")
     courses = [_first_course(one) for one in swings]
     before: Beyond | None = None
@@ -133,22 +129,12 @@ def free(swings: Sequence[HalfSwings], restoring: str = "sine") -> Free:
     errors = _course_errors(swings, courses, Table(table, rows), loss)
     shape = stiffness(every)
     scale, period = _period(swings, courses, ideal, beyond, shape, table)
-    return Free(
-        tuple(swings),
-        ideal,
-        basis,
-        shape,
-        loss,
-        period,
-        beyond,
+    passages, early = (
         all(one.passages for one in swings),
-        scale,
-        tuple(courses),
-        errors,
-        low,
-        high,
         _early(swings, Table(table, rows), beyond, loss, scale),
     )
+    told = loss, period, beyond, passages, scale
+    return Free(tuple(swings), ideal, basis, shape, *told, tuple(courses), errors, low, high, early)
 
 
 def _beyond(high: float, ideal: Ideal, recording: str) -> float:
@@ -186,13 +172,7 @@ def typical_of(courses: Sequence[Course]) -> float:
 
 def _besides(columns: Sequence[Floats]) -> Floats:
     """What of each recording alone is unknown, as blocks beside each other (observation, unknown)."""
-    sizes = [one.shape[1] for one in columns]
-    whole = np.zeros((sum(len(one) for one in columns), sum(sizes)))
-    row, place = 0, 0
-    for one in columns:
-        whole[row : row + len(one), place : place + one.shape[1]] = one
-        row, place = row + len(one), place + one.shape[1]
-    return whole
+    return block_diag(*columns)
 
 
 def of_losses(
@@ -362,6 +342,5 @@ def _midway(one: HalfSwings, course: Course) -> Floats:
 
 
 def _summed(one: HalfSwings, each: Floats) -> Floats:
-    return np.vstack([np.zeros(each.shape[1]), np.cumsum(each, axis=0)])[
-        np.round(one.at - one.at[0]).astype(int)
-    ]
+    sums = np.vstack([np.zeros(each.shape[1]), np.cumsum(each, axis=0)])
+    return sums[np.round(one.at - one.at[0]).astype(int)]

@@ -106,10 +106,8 @@ def exponential(found: Sequence[Laws]) -> tuple[str, float, str]:
 
     It is the best of the laws that a first answer is chosen from; where the decay is not exponential, the one that it names.
     """
-    each = [
-        {one.label: one for one in own.laws if one.label in (*own.chosen_from, *_EXPONENTIAL)}
-        for own in found
-    ]
+    asked = [[one for one in own.laws if one.label in (*own.chosen_from, *_EXPONENTIAL)] for own in found]
+    each = [{one.label: one for one in own} for own in asked]
     everywhere = [label for label in each[0] if all(label in own for own in each)]
     bic = {label: sum(own[label].bic for own in each) for label in everywhere}
     best = min(bic, key=lambda label: bic[label])
@@ -210,11 +208,9 @@ def _fits(models: Sequence[Model], swings: Mapping[str, Swing], known: xr.Datase
             start = SwingStart(at, row["release_angle"], row["release_velocity"])
             guesses.insert(0, Begin(model, (start,)))
         for guess in guesses:  # within its bounds a law may have no trajectory where it ended without
-            new = guess is None
+            new, swing = guess is None, [swings[model.label]]
             with suppress(TrajectoryError):
-                return fit_jointly(
-                    model, [swings[model.label]], guess=guess, seen=new, grown=new, bounded=True
-                )
+                return fit_jointly(model, swing, guess=guess, seen=new, grown=new, bounded=True)
         return None
 
     return [one for one in fit_nested(models, fit) if one is not None]
@@ -258,24 +254,12 @@ def _motion(fit: Fit, times: Floats) -> tuple[float, float]:
 def _of_points(angle: xr.Dataset, models: Sequence[Model], chosen_from: tuple[str, ...]) -> Laws:
     name = str(angle.attrs["recording"])
     if angle.attrs["points"] == PASSED:
-        raise InputError(
-            f"recording {name}",
-            "passages without speeds hold no damping",
-            "amplitudes or samples of the motion",
-            "record the motion itself",
-        )
-    fits = [fit for fit in fits_of(angle, models) if fit is not None]
-    found = [
-        Law(
-            fit.model.label,
-            len(fit.free),
-            float(np.sqrt(fit.rss[1] / fit.angles.size)),
-            np.nan,
-            fit.bic,
-            fit.angles,
-        )
-        for fit in fits
-    ]
+        told = "passages without speeds hold no damping", "amplitudes or samples of the motion"
+        raise InputError(f"recording {name}", *told, "record the motion itself")
+    fits, found = [fit for fit in fits_of(angle, models) if fit is not None], []
+    for fit in fits:
+        rms = float(np.sqrt(fit.rss[1] / fit.angles.size))
+        found.append(Law(fit.model.label, len(fit.free), rms, np.nan, fit.bic, fit.angles))
     scatter = min(fits, key=lambda fit: fit.bic).scatter[1]
     series = angle["time"].values, angle["angle"].values
     return Laws(name, tuple(found), scatter, *series, points=True, chosen_from=chosen_from)

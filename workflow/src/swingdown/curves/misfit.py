@@ -78,9 +78,8 @@ def with_discrepancy(
         loss, period = (_filled(grid, part) for part in course.at(grid))
         torque, middle = static(one), resting(one)
         pull = (torque(middle - angle) - torque(middle + angle)) / 2
-        return np.concatenate(
-            [period, loss, pull, drag(one)(speed) + fast @ (inverse @ elsewhere(one, loss))]
-        )
+        slow = drag(one)(speed) + fast @ (inverse @ elsewhere(one, loss))
+        return np.concatenate([period, loss, pull, slow])
 
     def derived(one: Model) -> Floats:
         return of(one, course_of(one, found.low, found.high, found.passages, _DIFFERENCES))
@@ -90,14 +89,8 @@ def with_discrepancy(
     at = [model.parameters.index(name) for name in bare.parameters]
     known = np.zeros((len(at), len(at))) if covariance is None else covariance[np.ix_(at, at)]
     whole = of(bare, course)
-    sizes = {
-        "period": amplitude.size,
-        "loss": amplitude.size,
-        "restoring": angle.size,
-        "friction": speed.size,
-    }
-    none = {name: np.full(size, np.nan) for name, size in sizes.items()}
-    nothing = {name: Known(one, one, one, one) for name, one in none.items()}
+    over = {"period": amplitude, "loss": amplitude, "restoring": angle, "friction": speed}
+    nothing = {name: Known(*[np.full(one.size, np.nan)] * 4) for name, one in over.items()}
     effects = effects_on(derived, bare, known) * _WIDER / SHARE
     if not (np.isfinite(whole).all() and np.isfinite(effects).all()):
         return nothing
@@ -107,12 +100,9 @@ def with_discrepancy(
     # what is no friction of speed alone leaves that one as open as is its share
     rest = np.abs(elsewhere(bare, loss.alone)).sum() / np.abs(loss.alone).sum()
     spread = min(rest, 1.0) ** 2 * spread
-    over = np.where(np.isfinite(course.at(amplitude)[0]), amplitude, np.nan)
-    return (
-        nothing
-        | _taken(found, grid, loss, friction, over, (fast, spread))
-        | _timed(found, grid, period, restoring, over, angle)
-    )
+    known_at = np.where(np.isfinite(course.at(amplitude)[0]), amplitude, np.nan)
+    taken = _taken(found, grid, loss, friction, known_at, (fast, spread))
+    return nothing | taken | _timed(found, grid, period, restoring, known_at, angle)
 
 
 class _Part(NamedTuple):

@@ -90,10 +90,8 @@ class Course(NamedTuple):
         if self.amplitude.size < 4:
             return np.full(amplitude.size, np.nan), np.full(amplitude.size, np.nan)
         loss = CubicSpline(np.log(self.amplitude), np.log(self.loss), extrapolate=False)
-        longer = self.ideal.lengthening
-        period = CubicSpline(
-            self.period_amplitude, self.period / longer(self.period_amplitude), extrapolate=False
-        )
+        longer, at = self.ideal.lengthening, self.period_amplitude
+        period = CubicSpline(at, self.period / longer(at), extrapolate=False)
         return np.exp(loss(np.log(amplitude))), period(amplitude) * longer(amplitude)
 
 
@@ -206,17 +204,15 @@ def effects_on(derived: Callable[[Model], Floats], model: Model, covariance: Flo
     known = np.where(np.isfinite(covariance), covariance, 0.0)
     loose = np.flatnonzero(np.diag(known) > 0)
     errors = np.sqrt(np.diag(known))[loose]
+
+    def at(values: Floats) -> Floats:
+        return derived(model.with_values(dict(zip(model.parameters, map(float, values), strict=True))))
+
     slopes = []
     for k, error in zip(loose, errors, strict=True):
         step = np.zeros(values.size)
         step[k] = _STEP * error
-        ends = [
-            derived(
-                model.with_values(dict(zip(model.parameters, map(float, values + sign * step), strict=True)))
-            )
-            for sign in (1, -1)
-        ]
-        slopes.append((ends[0] - ends[1]) / (2 * _STEP))
+        slopes.append((at(values + step) - at(values - step)) / (2 * _STEP))
     if not slopes:
         return np.zeros((derived(model).size, 0))
     sizes, directions = np.linalg.eigh(known[np.ix_(loose, loose)] / np.outer(errors, errors))

@@ -99,10 +99,8 @@ class Beyond(NamedTuple):
         found = Swung(*(one[good] for one in found))
         at = found.amplitude
         usual = np.pi * ideal.lengthening(at)
-        beside, loss_at, duration = (
-            CubicSpline(np.log(at), one)
-            for one in (found.passage - found.duration / 2, found.loss, found.duration)
-        )
+        each = found.passage - found.duration / 2, found.loss, found.duration
+        beside, loss_at, duration = (CubicSpline(np.log(at), one) for one in each)
         # two half-swings meet in a turning point: between their passages lie half of each, and what their passages are beside their middles
         here = before = after = np.log(at)
         for _ in range(4):

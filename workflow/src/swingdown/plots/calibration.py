@@ -44,25 +44,16 @@ def fig08(calibration: xr.Dataset) -> Figure:
         axes.grid(True)
     middle = angle[lowest]
     high = max(2.4 * boxes[1][lowest], 1.15 * np.abs(_at(best, near) - middle).max())
-    zoom.set(
-        ylim=(middle - high, middle + high),
-        xlabel="encoder voltage $V$ (V)",
-        title="(c) the lowest point, enlarged",
-    )
+    zoom.set(xlabel="encoder voltage $V$ (V)", title="(c) the lowest point, enlarged")
+    zoom.set_ylim(middle - high, middle + high)
     whole.set(ylabel=r"angle $\theta$ (°)", title="(a) calibration line")
     whole.tick_params(labelbottom=False)
     rest.set(xlabel="encoder voltage $V$ (V)", ylabel="point − line (°)", title="(b) beside the line")
-    style.symmetric(
-        rest,
-        np.concatenate(
-            [np.abs(angle - _at(best, voltage)) + boxes[1], *(_at(line - best, volts) for line in extreme)]
-        ),
-    )
+    lines = [_at(line - best, volts) for line in extreme]
+    style.symmetric(rest, np.concatenate([np.abs(angle - _at(best, voltage)) + boxes[1], *lines]))
     figure.align_ylabels((whole, rest))
-    frame = Rectangle(
-        (near[0], middle - high), np.ptp(near), 2 * high, fill=False, edgecolor=style.GREY, lw=0.8
-    )
-    whole.add_patch(frame)
+    corner, wide = (near[0], middle - high), np.ptp(near)
+    whole.add_patch(Rectangle(corner, wide, 2 * high, fill=False, edgecolor=style.GREY, lw=0.8))
     style.noted(whole, "(c)", (voltage[lowest], middle), (14, -3), fontsize=9, color=style.GREY)
     handles = [
         whole.plot([], [], color=LINE, label="best line")[0],
@@ -71,15 +62,11 @@ def fig08(calibration: xr.Dataset) -> Figure:
     ]
     handles += [style.mark("X", FLAG, "tower height, flagged")] if flagged.any() else []
     figure.legend(handles=handles, loc="outside upper left", ncols=len(handles))
+    factor = float(data["deviation_line_factor"])  # above 1 no line passes through all boxes as they are
+    stretched = f"the dashed lines pass through boxes {factor:g} times as large" if factor > 1 else ""
     return style.footnote(
-        figure, style.emulated_note(calibration), f"boxes: ± {boxed} (mode {mode})", _stretched(data)
+        figure, style.emulated_note(calibration), f"boxes: ± {boxed} (mode {mode})", stretched
     )
-
-
-def _stretched(data: xr.Dataset) -> str:
-    """What is said where no line passes through all boxes as they are."""
-    factor = float(data["deviation_line_factor"])
-    return f"the dashed lines pass through boxes {factor:g} times as large" if factor > 1 else ""
 
 
 def _at(line: Floats, voltage: ArrayLike) -> Floats:
@@ -110,12 +97,8 @@ def fig09(angles: xr.Dataset) -> Figure:
 
     ``angles`` is one recording's angle dataset: ``angle`` and ``angle_bound`` (time), in rad.
     """
-    time, angle, bound = (
-        angles["time"].values,
-        style.degrees(angles["angle"]),
-        style.degrees(angles["angle_bound"]),
-    )
-    time = time - time[0]
+    time = angles["time"].values - angles["time"].values[0]
+    angle, bound = style.degrees(angles["angle"]), style.degrees(angles["angle_bound"])
     figure = style.new_figure(10.4)
     grid = figure.add_gridspec(2, 2, height_ratios=(1.25, 1))
     whole, peak, crossing = (figure.add_subplot(place) for place in (grid[0, :], grid[1, 0], grid[1, 1]))
@@ -129,12 +112,8 @@ def fig09(angles: xr.Dataset) -> Figure:
     bottom, ceiling = whole.get_ylim()
     whole.set_ylim(bottom, ceiling + 0.16 * (ceiling - bottom))  # room for the names of the enlarged places
     style.legend_above(whole)
-    for axes, window, title in zip(
-        (peak, crossing),
-        _windows(time, angle),
-        ("(a) a turning point", "(b) a passage through zero"),
-        strict=True,
-    ):
+    titles = "(a) a turning point", "(b) a passage through zero"
+    for axes, window, title in zip((peak, crossing), _windows(time, angle), titles, strict=True):
         axes.plot(time[window], angle[window], "o", color=style.INK, ms=3, mew=0)
         axes.set(xlim=time[[window.start, window.stop - 1]], title=title)
         low, high = (angle - bound)[window].min(), (angle + bound)[window].max()

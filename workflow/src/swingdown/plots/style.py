@@ -394,9 +394,8 @@ def save(figure: Figure, path: str | Path, note: str = "") -> list[Path]:
     for artist in figure.findobj():
         if isinstance(artist, Line2D | PolyCollection) and _points(artist) > _MANY:
             artist.set_rasterized(True)
-    targets = (
-        [path] if path.suffix in _NO_TRACE else [path.with_name(path.name + suffix) for suffix in _NO_TRACE]
-    )
+    both = [path.with_name(path.name + suffix) for suffix in _NO_TRACE]
+    targets = [path] if path.suffix in _NO_TRACE else both
     for target in targets:
         with writing(target) as partial:
             figure.savefig(partial, format=target.suffix[1:], dpi=DPI, metadata=_NO_TRACE[target.suffix])

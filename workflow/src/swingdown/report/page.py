@@ -238,11 +238,8 @@ def rst(text: str) -> str:
     if not _MARKED.search(text):
         return str(escape(text.strip()))
     options = {"math_output": "HTML", "report_level": 3, "halt_level": 5, "file_insertion_enabled": False}
-    body = (
-        needed("docutils.core")
-        .publish_parts(text, writer="html5", settings_overrides=options)["body"]
-        .strip()
-    )
+    parts = needed("docutils.core").publish_parts(text, writer="html5", settings_overrides=options)
+    body = parts["body"].strip()
     single = re.fullmatch(r"<p>(.*)</p>", body, re.DOTALL)
     return single[1] if single and "<p>" not in single[1] else body
 

@@ -228,15 +228,10 @@ def _between_spaces(lines: Sequence[Sequence[str]], place: int) -> Sequence[Sequ
     below = lines[place + 1 :]
     size = len([name for name in lines[place] if name])
     rows = [[one for one in cells if one] for cells in below]
-    parted = [
-        cells[0].split() if len(cells) == 1 and not cells[0].startswith("#") else cells for cells in rows
-    ]
-    whole = (
-        size > 1
-        and any(len(cells) == 1 for cells in rows)
-        and all(len(cells) in (0, size) for cells in parted)
-    )
-    return parted if whole else below
+    single = [len(cells) == 1 and not cells[0].startswith("#") for cells in rows]
+    parted = [cells[0].split() if one else cells for cells, one in zip(rows, single, strict=True)]
+    whole = any(len(cells) == 1 for cells in rows) and all(len(cells) in (0, size) for cells in parted)
+    return parted if size > 1 and whole else below
 
 
 def _head_lines(lines: Sequence[Sequence[str]]) -> list[int]:

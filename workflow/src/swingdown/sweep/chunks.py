@@ -38,12 +38,7 @@ class Chunk:
     @property
     def content(self):
         """The chunk as text (JSON)."""
-        content = {
-            "computes": self.computes,
-            "settings": self.settings,
-            "keys": self.keys,
-            "parts": self.parts,
-        }
+        content = {name: getattr(self, name) for name in ("computes", "settings", "keys", "parts")}
         return json.dumps(content, separators=(",", ":"))
 
     @property
@@ -137,14 +132,12 @@ def deal(sweep, book, code="", again=False):
     files, missing, outdated = {}, [], {}
     for name in chunks:
         versions = there.get(name, [])
-        if code in versions:
-            files[name] = stem(name, code)
-        elif versions and not again:
-            files[name] = stem(name, versions[-1])
-            outdated[name] = versions[-1]
-        else:
-            files[name] = stem(name, code)
+        version = code if again or code in versions or not versions else versions[-1]
+        files[name] = stem(name, version)
+        if version not in versions:
             missing.append(name)
+        elif version != code:
+            outdated[name] = version
     return Dealt(chunks, files, new, tuple(missing), outdated)
 
 
@@ -225,12 +218,8 @@ def find_chunk(book, name):
     for line, where in _lines(book):
         if line.startswith(name):
             return _chunk(line, where)
-    raise InputError(
-        book,
-        f"no chunk {name}",
-        "a book that lists it",
-        "run the sweep again: it writes the book before its jobs",
-    )
+    mend = "run the sweep again: it writes the book before its jobs"
+    raise InputError(book, f"no chunk {name}", "a book that lists it", mend)
 
 
 def _lines(book):
@@ -246,10 +235,9 @@ def add_to_book(book, chunks):
     known = {chunk.name for chunk in read_book(book)} if chunks else set()
     if chunks := [chunk for chunk in chunks if chunk.name not in known]:
         before = book.read_text(encoding="utf-8") if book.exists() else ""
+        lines = "".join(f"{chunk.name} {chunk.content}\n" for chunk in chunks)
         with written_whole(book) as partial:
-            partial.write_text(
-                before + "".join(f"{chunk.name} {chunk.content}\n" for chunk in chunks), encoding="utf-8"
-            )
+            partial.write_text(before + lines, encoding="utf-8")
     return book
 
 

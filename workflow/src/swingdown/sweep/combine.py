@@ -148,11 +148,8 @@ def _fill(file, sweep, where, listed, paths, found):
             taken[index].append((start, stop))
             versions[version] += stop - start
             for name in block:
-                values = block[name][: stop - start]
-                if values.ndim == 1:
-                    file[name][(*index, slice(start, stop))] = values
-                else:
-                    file[name][(*index, slice(start, stop), own)] = values
+                values, here = block[name][: stop - start], (*index, slice(start, stop))
+                file[name][here if values.ndim == 1 else (*here, own)] = values
     return taken, versions
 
 
@@ -160,17 +157,9 @@ def _create(file, name, kind, own, told, dims, listed):
     several = len(own) > 1
     size = file.dimensions["realization"].size
     shape = (1,) * (len(dims) - 1) + (min(size, _BLOCK),) + ((len(listed[1]),) if several else ())
-    kept = "i1" if kind.itemsize == 1 else _KEPT[kind.kind]
-    made = file.createVariable(
-        name,
-        kept,
-        (*dims, listed[0]) if several else dims,
-        zlib=True,
-        complevel=4,
-        fletcher32=True,
-        chunksizes=shape,
-        fill_value=np.nan if kept == "f8" else None,
-    )
+    kept, dims = "i1" if kind.itemsize == 1 else _KEPT[kind.kind], (*dims, listed[0]) if several else dims
+    unknown = np.nan if kept == "f8" else None
+    made = file.createVariable(name, kept, dims, chunksizes=shape, fill_value=unknown, **summary.PACKED)
     made.setncatts(told)
 
 

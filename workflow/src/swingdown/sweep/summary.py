@@ -15,6 +15,7 @@ LEVEL = 0.95  # of every interval that is told
 TEN = 10  # runs whose mean norm the paper compares
 _SINGLE = ("viscous", "quadratic_drag", "load_coulomb")
 _BLOCK = 32760  # draws read at a time, whole sets of ten
+PACKED = {"zlib": True, "complevel": 4, "fletcher32": True}  # how netCDF4 keeps a variable
 
 
 def _ends(*names):
@@ -80,9 +81,7 @@ def add(file, sweep, listed, reasons):
         said.long_name = "what discovery said"
         said[:] = np.array(OUTCOMES, dtype=object)
     for name, (more, units, meaning) in kinds.items():
-        made = file.createVariable(
-            name, "f8", (*axes, *more), zlib=True, complevel=4, fletcher32=True, fill_value=np.nan
-        )
+        made = file.createVariable(name, "f8", (*axes, *more), fill_value=np.nan, **PACKED)
         made.setncatts({"units": units, "long_name": meaning})
     told = np.full(sweep.shape, "", dtype=object)
     for index, why in reasons.items():
@@ -124,9 +123,8 @@ class _Cell:
         rows = rows[made]
         if len(rows):
             self._first = rows[:1] if self._first is None else self._first
-            self._alike = self._alike and bool(
-                np.array_equal(rows, np.repeat(self._first, len(rows), axis=0), equal_nan=True)
-            )
+            first = np.repeat(self._first, len(rows), axis=0)
+            self._alike = self._alike and np.array_equal(rows, first, equal_nan=True)
 
     def _counted(self):
         return {"made": self.made, "independent": min(self.made, 1) if self._alike else self.made}
@@ -144,9 +142,8 @@ class _Identified(_Cell):
         zeros = np.zeros(len(fitted))
         self._norm, self._bic, self._sum, self._finite, self._converged = (zeros.copy() for _ in range(5))
         four = [*_SINGLE, "+".join(name for name in _SINGLE if name != truth)]
-        self._four = (
-            [fitted.index(name) for name in four] if truth in _SINGLE and set(four) <= set(fitted) else []
-        )
+        known = truth in _SINGLE and set(four) <= set(fitted)
+        self._four = [fitted.index(name) for name in four] if known else []
         self._true, self._sets, self._best = four.index(truth) if truth in four else 0, 0, 0
 
     def feed(self, block):
@@ -263,9 +260,8 @@ def table(maps):
     axes, draws = maps.attrs["axes"].split(), int(maps.attrs["realizations"])
     shares = ["true_by_norm", "true_by_bic", "true_by_ten"] if "fitted" in maps.dims else ["found", "named"]
     frame = maps[[*shares, "made", "independent"]].to_dataframe().reset_index()
-    beside = [
-        name for name in maps.coords if maps[name].dims in {(axis,) for axis in axes} and name not in axes
-    ]
+    others = [name for name in maps.coords if name not in axes]
+    beside = [name for name in others if maps[name].dims in {(axis,) for axis in axes}]
     rows = frame[[*axes, *beside]].assign(draws=draws)
     rows["made"], rows["independent"] = frame["made"].astype(int), frame["independent"].astype(int)
     for name in shares:
@@ -276,11 +272,8 @@ def table(maps):
         rows["sets_of_ten"] = maps["sets_of_ten"].values.ravel()
         for criterion in ("norm", "bic"):
             most = maps[f"lowest_{criterion}"].fillna(-1)
-            rows[f"most_often_by_{criterion}"] = (
-                pd.Series(most["fitted"].values[most.argmax("fitted").values.ravel()])
-                .astype(str)
-                .where(frame["made"] > 0, "")
-            )
+            labels = pd.Series(most["fitted"].values[most.argmax("fitted").values.ravel()]).astype(str)
+            rows[f"most_often_by_{criterion}"] = labels.where(frame["made"] > 0, "")
         rows["unconverged"] = maps["unconverged"].mean("fitted").values.ravel()
     else:
         for word in maps["said"].values:
@@ -296,11 +289,9 @@ def combined(sweep, rows, chunks):
     """Lines that tell what was combined: how many draws, and how many cells could not be made, for which reasons."""
     draws = sweep.cells * sweep.realizations
     yield f"{sweep.name}: {sweep.cells} cells × {sweep.realizations} draws = {draws} draws, all there, from {chunks} chunks"
-    lost = rows[rows["made"] == 0]
-    for why, part in lost.groupby("reason"):
-        first = ", ".join(
-            f"{name} {part.iloc[0][name]}" for name in rows.columns[: list(rows.columns).index("draws")]
-        )
+    names = rows.columns[: list(rows.columns).index("draws")]
+    for why, part in rows[rows["made"] == 0].groupby("reason"):
+        first = ", ".join(f"{name} {part.iloc[0][name]}" for name in names)
         yield f"{len(part)} of {sweep.cells} cells could not be made: {why} (the first: {first})"
     if "reached" in rows and (short := int((rows["reached"] == 0).sum())):
         yield f"in {short} of {sweep.cells} cells no size of the hidden effect leaves what was asked for: left_by_base has what it leaves"

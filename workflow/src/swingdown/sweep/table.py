@@ -142,10 +142,8 @@ def sweeps(config, where="config"):
     leaves open which model is simulated.
     """
     base = {key: value for key, value in config.items() if key != "sweeps"}
-    return {
-        name: _sweep(name, entry, base, f"{where}, key sweeps.{name}")
-        for name, entry in config["sweeps"].items()
-    }
+    entries = config["sweeps"].items()
+    return {name: _sweep(name, entry, base, f"{where}, key sweeps.{name}") for name, entry in entries}
 
 
 def _sweep(name, entry, base, where):
@@ -156,17 +154,15 @@ def _sweep(name, entry, base, where):
         _check_key(key, base, reads, entry["computes"], f"{where}.{'axes' if key in asked else 'settings'}")
     for key in entry["settings"]:
         if key in asked:
-            raise InputError(
-                f"{where}.settings", f"{key!r} is an axis too", "each key once", "remove one of the two"
-            )
+            told = f"{key!r} is an axis too", "each key once", "remove one of the two"
+            raise InputError(f"{where}.settings", *told)
     axes, fixed = {}, {}
     for keys, entries in entry["axes"].items():
         place = f"{where}.axes, {keys}"
         given_steps = written.steps(keys, entries, place)
         # what holds at both ends of a range holds between them: the settings' bounds are intervals
-        within = isinstance(entries, dict) and all(
-            isinstance(one, float) for step in given_steps for one in step
-        )
+        numbers = all(isinstance(one, float) for step in given_steps for one in step)
+        within = isinstance(entries, dict) and numbers
         steps = [
             tuple(
                 _plain(value, key) if within and 1 < k < len(given_steps) else _checked(base, key, value, f"{place}, value {k}")
@@ -263,9 +259,8 @@ def _one_simulated(axes, fixed, asked, where):
     key = "simulation.simulated"
     models = _values(axes)[key] if key in asked else [[name] for name in fixed.pop(key)]
     if not models or any(len(one) != 1 for one in models):
-        raise InputError(
-            f"{where}.axes, {key}", f"{models!r}", "one model a value", "write `[viscous, load_coulomb]`"
-        )
+        mend = "write `[viscous, load_coulomb]`"
+        raise InputError(f"{where}.axes, {key}", f"{models!r}", "one model a value", mend)
     if len(models) == 1 and key not in asked:
         fixed[key] = models[0]
     elif key not in asked:
@@ -296,9 +291,8 @@ def _flat(config):
     """Every key of a config with its group: ``simulation.snr``; keys that have no group stand as they are."""
     found = {}
     for key, value in config.items():
-        found |= (
-            {f"{key}.{name}": one for name, one in value.items()} if isinstance(value, dict) else {key: value}
-        )
+        group = isinstance(value, dict)
+        found |= {f"{key}.{name}": one for name, one in value.items()} if group else {key: value}
     return found
 
 
@@ -324,9 +318,8 @@ def _words(key):
     parts = name.split("_")
     if len(parts) > 1 and parts[-1] in _UNITS:
         parts = parts[:-1]
-    return {"snr": "signal to noise ratio", "size": "what the hidden effect leaves, over the noise"}.get(
-        name, " ".join(parts)
-    )
+    known = {"snr": "signal to noise ratio", "size": "what the hidden effect leaves, over the noise"}
+    return known.get(name, " ".join(parts))
 
 
 def text(value):
