@@ -39,23 +39,8 @@ def write(dataset: xr.Dataset, path: str | Path, replace: bool = True) -> Path:
     file has a seal as well (``sealed.seal_behind``). What the CF Conventions ask of every file (title, history without a date,
     source, a name for each variable) is added where the dataset does not say it itself.
 
-    Parameters
-    ----------
-    dataset
-        Each float variable has ``units`` and ``long_name``.
-    path
-        The netCDF file. A write that fails leaves nothing behind.
-    replace
-        Whether a file of that name may be replaced.
-
-    Raises
-    ------
-    ValueError
-        If a float variable lacks ``units`` or ``long_name``.
-    Unwritten
-        If the disk is full (ENOSPC); it names the space wanted and free.
-    FileExistsError
-        If there is a file of that name that may not be replaced.
+    A write that fails leaves nothing behind: ValueError if a float variable lacks ``units`` or ``long_name``, Unwritten if the disk is
+    full (ENOSPC), with the space wanted and free, FileExistsError unless it may ``replace`` a file of that name.
     """
     path, netcdf = Path(path), needed("netCDF4")
     if lost := [f"{name}: no {key}" for name, key in _unlabelled(dataset)]:
@@ -87,11 +72,9 @@ def write(dataset: xr.Dataset, path: str | Path, replace: bool = True) -> Path:
         free = shutil.disk_usage(path.parent).free
         # netCDF says only "HDF error"
         if getattr(error, "errno", None) == errno.ENOSPC or free < dataset.nbytes:
-            raise Unwritten(
-                errno.ENOSPC,
-                f"the disk is full: {path} needs up to {dataset.nbytes / 1e6:.3g} MB and "
-                f"{free / 1e6:.3g} MB are free. Mend: make room and run again",
-            ) from error
+            needs = f"{path} needs up to {dataset.nbytes / 1e6:.3g} MB and {free / 1e6:.3g} MB are free"
+            told = f"the disk is full: {needs}. Mend: make room and run again"
+            raise Unwritten(errno.ENOSPC, told) from error
         raise
     return path
 

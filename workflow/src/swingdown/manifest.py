@@ -18,24 +18,9 @@ def write_manifest(
 ) -> int:
     """How many files the manifest lists.
 
-    An entry is path (relative to ``results``), size in bytes and SHA-256, sorted by path. Manifests, seals, logs, benchmarks and
-    unfinished files are not listed.
-
-    Parameters
-    ----------
-    results
-        The folder.
-    output
-        The manifest to write.
-    parts
-        Files or folders relative to ``results``; what is not there has no files.
-    without
-        Parts that are left out.
-
-    Raises
-    ------
-    InputError
-        If a file is not what its seal was taken of; nothing is written then.
+    An entry is path (relative to the folder ``results``), size in bytes and SHA-256, sorted by path. ``parts`` are files or folders
+    relative to ``results``, of which those ``without`` are left out; what is not there has no files. Manifests, seals, logs, benchmarks and
+    unfinished files are not listed. InputError if a file is not what its seal was taken of; no ``output`` is written then.
     """
     results = Path(results)
     outside = [results / part for part in without]

@@ -128,19 +128,17 @@ def _named(partial: Path, path: Path) -> None:
 
 def in_words(number: int | None, path: str | Path) -> str:
     """What is wrong, where, and the mend, of the errno of a failed write; "" for one that is not the disk's or the folder's."""
-    return f"{_IN_WORDS[number]}: {path}. Mend: {_MENDS[number]}" if number in _IN_WORDS else ""
+    if number not in _IN_WORDS:
+        return ""
+    problem, mend = _IN_WORDS[number]
+    return f"{problem}: {path}. Mend: {mend}"
 
 
-_IN_WORDS = {
-    errno.ENOSPC: "the disk is full",
-    errno.EDQUOT: "the disk is full for this user",
-    errno.EROFS: "the folder cannot be written",
-    errno.EACCES: "the folder cannot be written",
-    errno.EPERM: "the folder cannot be written",
+_SHUT = "the folder cannot be written", "choose another with --directory, or allow writing there"
+_IN_WORDS = dict.fromkeys((errno.EROFS, errno.EACCES, errno.EPERM), _SHUT) | {
+    errno.ENOSPC: ("the disk is full", "make room and run again"),
+    errno.EDQUOT: ("the disk is full for this user", "make room and run again"),
 }
-_MENDS = dict.fromkeys(_IN_WORDS, "make room and run again") | dict.fromkeys(
-    (errno.EROFS, errno.EACCES, errno.EPERM), "choose another with --directory, or allow writing there"
-)
 
 
 def checksum(path: Path) -> str:

@@ -151,21 +151,10 @@ def of_swings(
     restoring: str = "sine",
     checked: bool = True,
 ) -> Answer:
-    """The ``Answer`` of ``fit`` on angle datasets of one pendulum.
+    """The ``Answer`` of ``fit`` on angle datasets (``measurement.angle.to_angle``) of one pendulum, one a recording.
 
-    Parameters
-    ----------
-    given
-        Angle datasets (``measurement.angle.to_angle``), one a recording.
-    fitted, effects, restoring
-        As in ``fit``.
-    checked
-        Whether a motion that no model follows is refused; false before a search.
-
-    Raises
-    ------
-    NotFree
-        If ``checked`` and no model of damping follows the motion.
+    ``fitted``, ``effects`` and ``restoring`` are as in ``fit``. If ``checked``, NotFree where no model of damping follows the motion; before
+    a search it is not asked.
     """
     try:
         return _of_swings(given, fitted, effects, restoring, checked)
@@ -317,14 +306,9 @@ def explained(
     effects: Mapping[str, Any] | None = None,
     restoring: str = "sine",
 ) -> Answer:
-    """The ``Answer`` of ``explain`` on angle datasets (``measurement.angle.to_angle``) of one pendulum.
+    """The ``Answer`` of ``explain`` on angle datasets (``measurement.angle.to_angle``) of one pendulum, one a recording.
 
-    Parameters
-    ----------
-    given
-        Angle datasets, one a recording.
-    base, rounds, fitted, effects, restoring
-        As in ``explain``, and so are the errors.
+    The other arguments are as in ``explain``, and so are the errors.
     """
     engine(catalogue(effects))  # without a compiled one even the fits before the search take minutes
     first = before_search(given, fitted, effects, restoring)
@@ -364,10 +348,8 @@ def _ended(
 
 def _with_fits(state: Round, whole: Campaign) -> list[tuple[Swing, SwingFit]]:
     """The swings of a search, those held out too, each with its part in the last model's fit."""
-    return [
-        *zip(whole.fit, state.fit.swings, strict=True),
-        *zip(whole.holdout, state.holdout.swings, strict=True),
-    ]
+    swings, fits = (*whole.fit, *whole.holdout), (*state.fit.swings, *state.holdout.swings)
+    return list(zip(swings, fits, strict=True))
 
 
 @contextmanager
@@ -406,13 +388,9 @@ def searchable(name: str, given: Sequence[xr.Dataset], doubt: str = "") -> Campa
         raise why
     driven(given)
     given = in_one_step(given)
-    return replace(
-        campaign(name, [swing_of(one) for one in given]),
-        slack=of_angles(given),
-        reading=read_alike(name, given),
-        own=own_of(given[0].attrs),
-        unit_doubt=doubt,
-    )
+    whole, reading = campaign(name, [swing_of(one) for one in given]), read_alike(name, given)
+    own = own_of(given[0].attrs)
+    return replace(whole, slack=of_angles(given), reading=reading, own=own, unit_doubt=doubt)
 
 
 def _shown(state: Round, whole: Campaign) -> tuple[Shown, ...]:

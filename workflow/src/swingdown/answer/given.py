@@ -86,24 +86,10 @@ def swings(
     restoring: str = "sine",
     said: Mapping[str, Any] | None = None,
 ) -> list[xr.Dataset]:
-    """Datasets of the angle in rad over the time in s, as ``measurement.angle.to_angle`` gives them.
+    """Datasets of the angle in rad over the time in s, as ``measurement.angle.to_angle`` gives them: one a swing, of several releases one each.
 
-    Parameters
-    ----------
-    times, angles, unit, names, kind, restoring
-        As of ``answer.fit``.
-    said
-        What else is said of them (``Said``); of swings by themselves nothing of an input.
-
-    Returns
-    -------
-    list of xarray.Dataset
-        One a swing, and of a series with several releases one a release.
-
-    Raises
-    ------
-    InputError
-        It names the swing and what is wrong with it.
+    ``said`` is what else is said of them (``Said``), of swings by themselves nothing of an input; all other arguments are as of
+    ``answer.fit``. InputError names the swing and what is wrong with it.
     """
     if unit not in (None, *ANGLES):
         units = " or ".join(ANGLES)
@@ -125,10 +111,8 @@ def swings(
         found = [one._replace(about=one.about | known) for one in found]
     if said:
         inputs = _inputs(said["input"], len(found))
-        return [
-            _driven(name, one, drive, said, unit, restoring)
-            for name, one, drive in zip(names, found, inputs, strict=True)
-        ]
+        each = zip(names, found, inputs, strict=True)
+        return [_driven(name, one, drive, said, unit, restoring) for name, one, drive in each]
     return [
         swing
         for name, one in zip(names, found, strict=True)
@@ -148,12 +132,8 @@ def asked(given: Mapping[str, Any]) -> dict[str, Any]:
         raise InputError("argument zero_tolerance", f"it is {said['zero_tolerance']!r}", "a number of rad", "leave it out: the swings tell their zero")  # fmt: skip
     driven = [name for name in said if name in Driven.__annotations__]
     if driven and "input" not in said:
-        raise InputError(
-            f"argument {driven[0]}",
-            "the drive is described, but its values are missing",
-            "input=, the values of the drive",
-            "give them, or leave the description out",
-        )
+        told = "the drive is described, but its values are missing", "input=, the values of the drive"
+        raise InputError(f"argument {driven[0]}", *told, "give them, or leave the description out")
     return said
 
 
@@ -331,8 +311,10 @@ def _swings_in(name: str, given: Series, unit: str | None, kind: str, restoring:
             ordered = in_order(times, values, name)
             times, values = ordered.times, values[ordered.kept]
             judged = judge(times, values, reading, name)
-            found = _releases(name, times, values, judged)
-            if not found:
+            used = [within(one, times) for one in judged.windows]
+            found = [(times[one], values[one], f"{name}, release {k}") for k, one in enumerate(used, 1)]
+            if len(found) < 2:
+                found = []
                 window, told, kept = used_part(judged.windows)
                 told += check_used(times, judged, within(window, times), name)
         except InputError as problem:
@@ -352,14 +334,6 @@ def _swings_in(name: str, given: Series, unit: str | None, kind: str, restoring:
     if judged.reading.unit in (NO_SCALE, "V"):
         attributes |= {"rad_per_unit": judged.reading.scale} | judged.reading.unscaled
     return [_as_angle(times, judged, as_variable(judged.spikes.where), attributes, remarks)]
-
-
-def _releases(name: str, times: Floats, values: Floats, judged: Judged) -> list[tuple[Floats, Floats, str]]:
-    """The times, values and names of several releases in one series; none of a single one."""
-    if len(judged.windows) < 2:
-        return []
-    used = [within(one, times) for one in judged.windows]
-    return [(times[one], values[one], f"{name}, release {k}") for k, one in enumerate(used, 1)]
 
 
 def _points(

@@ -172,11 +172,8 @@ class Recording:
         from ..plots.answer import swings_alone
 
         shown = [shown_with(one, np.full(one.sizes["time"], np.nan)) for one in self.swings]
-        return swings_alone(shown, {"emulated": self._emulated})
-
-    @property
-    def _emulated(self) -> str:
-        return "yes" if any(one.attrs.get("emulated") == "yes" for one in self.swings) else "no"
+        emulated = any(one.attrs.get("emulated") == "yes" for one in self.swings)
+        return swings_alone(shown, {"emulated": "yes" if emulated else "no"})
 
     def _repr_html_(self) -> str:
         heads = ["recording", "samples", "s", "largest"]
@@ -312,8 +309,6 @@ def table_of(swings: Sequence[xr.Dataset]) -> pd.DataFrame:
     """The samples of swings as a table, with units in the names of its columns."""
     found = samples_of(swings)
     columns = {"recording": found["recording"].values, "time_s": found["time"].values}
-    columns |= {
-        f"{name}_{'rad' if name == 'angle' else 'rad_per_s'}": one.values
-        for name, one in found.data_vars.items()
-    }
+    units = {"angle": "rad", "rate": "rad_per_s"}
+    columns |= {f"{name}_{units[str(name)]}": one.values for name, one in found.data_vars.items()}
     return pd.DataFrame(columns)

@@ -273,12 +273,10 @@ class Answer:
         pandas.DataFrame
             Columns ``value``, ``u`` (standard uncertainty), ``unit``, ``text`` and ``holds`` (at which amplitude), over ``quantity``.
         """
-        rows = [
-            (one.name, one.value, one.uncertainty, one.unit, one.number, one.condition)
-            for one in quantity_rows(self.row, self.verdict)
-        ]
+        rows = quantity_rows(self.row, self.verdict)
+        told = [(one.name, one.value, one.uncertainty, one.unit, one.number, one.condition) for one in rows]
         columns = ["quantity", "value", "u", "unit", "text", "holds"]
-        return pd.DataFrame(rows, columns=columns).set_index("quantity")
+        return pd.DataFrame(told, columns=columns).set_index("quantity")
 
     def to_xarray(self) -> xr.Dataset:
         """A Dataset of the samples with fit and residual, and of the quantities.
@@ -381,7 +379,7 @@ class Answer:
         dict
             Sentence, quantities with standard uncertainty and unit, model, verdict; what is not known is None.
         """
-        row = self.row
+        row, (residual, unit) = self.row, residual_of(self.row)
         return {
             "sentence": self.sentence,
             "recordings": [str(one.attrs["recording"]) for one in self.swings],
@@ -399,8 +397,8 @@ class Answer:
             "model": self.label,
             "or_models": or_models(row),
             "timed": by_stop_watch(self.shown, self.table),
-            "residual": {"value": finite_or_none(residual_of(row)[0]), "unit": residual_of(row)[1]},
-            "residual_rad": finite_or_none(row["residual_rad"]) if residual_of(row)[1] == "rad" else None,
+            "residual": {"value": finite_or_none(residual), "unit": unit},
+            "residual_rad": finite_or_none(row["residual_rad"]) if unit == "rad" else None,
             "emulated": row["emulated"] == "yes",
             "remarks": self.remarks,
             "verdict": dict(self.verdict) if self.verdict else None,

@@ -46,8 +46,9 @@ def varied(kept: Sequence[Taken], beside: Path | None, by: str) -> Varied:
     """
     column, u = asked(by)
     sheet, groups = from_rows(one.row for one in kept)
-    named, sides, told = from_names({one.row["recording"]: _name(one) for one in kept})
     stems = {one.row["recording"]: Path(one.row["file"]).stem for one in kept}
+    runs = {one.row["recording"]: str(one.row.get("run", "")) for one in kept}
+    named, sides, told = from_names({name: f"{stem} {runs[name]}".strip() for name, stem in stems.items()})
     values, words = from_table(beside, stems) if beside else ({}, {})
     everything, sides = merged(sheet, values, named), merged(groups, words, sides)
     if u:
@@ -119,10 +120,6 @@ def _in(line: str, *sources: Mapping[str, Mapping[str, Stated]]) -> bool:
     """True where a column that a line tells of is in one of these sources."""
     column = line.split(" ", 1)[0]
     return any(column in own for source in sources for own in source.values())
-
-
-def _name(one: Taken) -> str:
-    return " ".join([Path(one.row["file"]).stem, str(one.row.get("run", ""))]).strip()
 
 
 def asked(by: str) -> tuple[str, Stated | None]:

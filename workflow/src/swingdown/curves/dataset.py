@@ -15,7 +15,7 @@ from ..measurement.slack import of_angles
 from ..pendulum.model import Model
 from ..pendulum.slack import Slack
 from ..studies.amplitudes import HalfSwings, half_swings_of
-from .free import Free, free
+from .free import free
 from .misfit import with_discrepancy
 
 SOURCES = ("free", "model", "alone")
@@ -116,7 +116,12 @@ def curves(
     speed = np.linspace(0.0, found.scale * float(found.ideal.speed(np.array([found.high]))[0]), _POINTS)
     # at the middle a torque's share of the ideal one is asked beside it
     inside = np.maximum(angle, 1e-3 * found.high)
-    own = _of_free(found, amplitude, inside, speed)
+    own = {
+        "period": Band(*found.period_at(amplitude)),
+        "loss": Band(*found.loss_at(amplitude)),
+        "restoring": Band(*found.restoring_at(inside)),
+        "friction": Band(*found.friction_at(speed)),
+    }
     beside = alone = {name: _bandless(np.full_like(one.value, np.nan)) for name, one in own.items()}
     if model is not None:
         known = with_discrepancy(found, model, covariance, amplitude, inside, speed)
@@ -132,10 +137,9 @@ def curves(
         "angle": ("angle", angle, {"units": "rad", "long_name": "angle from the middle"}),
         "speed": ("speed", speed, {"units": "rad/s", "long_name": "speed"}),
     }
-    about = angles[0].attrs
     emulated = any(str(one.attrs.get("emulated", "no")) == "yes" for one in angles)
     attrs = {
-        "campaign": str(about.get("campaign", "")),
+        "campaign": str(angles[0].attrs.get("campaign", "")),
         "emulated": "yes" if emulated else "no",
         "restoring": restoring,
         "model": model.label if model else "",
@@ -153,15 +157,6 @@ def _reading(angle: xr.Dataset) -> tuple[float, str]:
 
 def _bandless(value: Floats) -> Band:
     return Band(value, *[np.full_like(value, np.nan)] * 2)
-
-
-def _of_free(found: Free, amplitude: Floats, angle: Floats, speed: Floats) -> dict[str, Band]:
-    return {
-        "period": Band(*found.period_at(amplitude)),
-        "loss": Band(*found.loss_at(amplitude)),
-        "restoring": Band(*found.restoring_at(angle)),
-        "friction": Band(*found.friction_at(speed)),
-    }
 
 
 def _with_clock(bands: Mapping[str, Band], slack: Slack, inside: Floats) -> dict[str, Band]:

@@ -22,6 +22,8 @@ _FEWEST_MARKS = 6
 OF_STIFFNESS = 0.1  # of the restoring torque: what a law of its deviation may be a few times of
 LEAST_LOSS, LEAST_STIFFNESS = 3e-3, 1e-6  # of the smooth curve that no law has, over the laws
 
+_Each = Sequence[Floats]  # one a recording
+
 
 @dataclass(frozen=True)
 class Free:
@@ -73,10 +75,8 @@ class Free:
 
     def amplitude_error(self, amplitude: Floats) -> Floats:
         """The standard uncertainty of the logarithm of these amplitudes (rad), where they stand for those of the recordings."""
-        variance = [
-            np.interp(-np.log(amplitude), -np.log(one.amplitude), error**2)
-            for one, error in zip(self.courses, self.course_errors, strict=True)
-        ]
+        each, at = zip(self.courses, self.course_errors, strict=True), -np.log(amplitude)
+        variance = [np.interp(at, -np.log(one.amplitude), error**2) for one, error in each]
         return np.sqrt(np.mean(variance, axis=0) / len(variance))
 
     def restoring_at(self, angle: Floats) -> Banded:
@@ -129,10 +129,8 @@ def free(swings: Sequence[HalfSwings], restoring: str = "sine") -> Free:
     errors = _course_errors(swings, courses, Table(table, rows), loss)
     shape = stiffness(every)
     scale, period = _period(swings, courses, ideal, beyond, shape, table)
-    passages, early = (
-        all(one.passages for one in swings),
-        _early(swings, Table(table, rows), beyond, loss, scale),
-    )
+    passages = all(one.passages for one in swings)
+    early = _early(swings, Table(table, rows), beyond, loss, scale)
     told = loss, period, beyond, passages, scale
     return Free(tuple(swings), ideal, basis, shape, *told, tuple(courses), errors, low, high, early)
 
@@ -142,12 +140,9 @@ def _beyond(high: float, ideal: Ideal, recording: str) -> float:
     if ideal.restoring == "linear":
         return high * 1.02
     if high >= np.pi:
-        raise InputError(
-            recording,
-            f"its swings reach {np.degrees(high):.3g}°",
-            "swings to less than 180°",
-            "correct its unit; for a wheel on a spring write ⟨restoring=linear⟩",
-        )
+        told = f"its swings reach {np.degrees(high):.3g}°", "swings to less than 180°"
+        mend = "correct its unit; for a wheel on a spring write ⟨restoring=linear⟩"
+        raise InputError(recording, *told, mend)
     return min(high * 1.02, ideal.widest(high))
 
 
@@ -168,11 +163,6 @@ def typical_of(courses: Sequence[Course]) -> float:
     halves = sum(one.number[-1] - one.number[0] for one in courses)
     size = float(np.exp(np.mean(np.concatenate([np.log(one.amplitude) for one in courses]))))
     return max(2 / np.pi * lost / max(halves, 1.0), 1e-9) * size
-
-
-def _besides(columns: Sequence[Floats]) -> Floats:
-    """What of each recording alone is unknown, as blocks beside each other (observation, unknown)."""
-    return block_diag(*columns)
 
 
 def of_losses(
@@ -217,16 +207,11 @@ def _own(one: HalfSwings, side: Floats) -> list[Floats]:
     return [np.ones(side.size), *([side, side * drift] if one.both else [])]
 
 
-def _twice(
-    observed: Sequence[Floats],
-    error: Sequence[Floats],
-    summed: Sequence[Floats],
-    own: Sequence[Floats],
-    prior: Prior,
-) -> Posterior:
+def _twice(observed: _Each, error: _Each, summed: _Each, own: _Each, prior: Prior) -> Posterior:
     """The ``Posterior`` with the errors as large as a first one tells, so that the sizes of laws and curve are over the right noise."""
     sums, stated, values = np.vstack(summed), np.concatenate(error), np.concatenate(observed)
-    design = Design(sums[:, : prior.laws], sums[:, prior.laws :], _besides(own))
+    # what of each recording alone is unknown stands as blocks beside each other
+    design = Design(sums[:, : prior.laws], sums[:, prior.laws :], block_diag(*own))
     first = regression(values, stated, design, prior)
     return regression(values, stated * first.noise, design, prior)
 

@@ -365,14 +365,12 @@ def envelopes(found: Sequence[Laws], curves: xr.Dataset | None = None, emulated:
         when, size = measured.times, np.abs(measured.angle)
         fitted = [_envelope(own, one, when) for one in shown]
     about = {"best": best, "said": exponential_words(found, curves), "emulated": emulated, "recording": own.recording}  # fmt: skip
-    return xr.Dataset(
-        {
-            "amplitude": variable("time", size, "measured amplitude", own.unit),
-            "fitted": variable(("law", "time"), np.array(fitted), "amplitude of a law", own.unit),
-        },
-        {"law": ("law", [one.label for one in shown]), "time": variable("time", when, "time", "s")},
-        about,
-    )
+    variables = {
+        "amplitude": variable("time", size, "measured amplitude", own.unit),
+        "fitted": variable(("law", "time"), np.array(fitted), "amplitude of a law", own.unit),
+    }
+    coords = {"law": ("law", [one.label for one in shown]), "time": variable("time", when, "time", "s")}
+    return xr.Dataset(variables, coords, about)
 
 
 def _envelope(found: Laws, law: Law, when: Floats) -> Floats:

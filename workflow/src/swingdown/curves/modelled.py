@@ -186,19 +186,8 @@ def _zeros(times: Floats, values: Floats) -> Floats:
 def effects_on(derived: Callable[[Model], Floats], model: Model, covariance: Floats) -> Floats:
     """What independent errors of a model's parameters, each of its standard uncertainty, do to what is derived from it (JCGM 100, 5.2).
 
-    Parameters
-    ----------
-    derived
-        From a model to an array of shape (quantity,).
-    model
-        With values.
-    covariance
-        Of its parameters, of shape (parameter, parameter); nan counts as known.
-
-    Returns
-    -------
-    numpy.ndarray
-        Of shape (quantity, error): times its transpose it is the covariance of the quantities.
+    An array (quantity, error), which times its transpose is the covariance of the quantities. ``derived`` goes from a model to an array
+    (quantity,), ``model`` has values, and ``covariance`` (parameter, parameter) is that of its parameters; nan counts as known.
     """
     values = np.array(model.vector())
     known = np.where(np.isfinite(covariance), covariance, 0.0)

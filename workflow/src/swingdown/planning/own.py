@@ -111,10 +111,9 @@ def _passed(path: Path) -> Refused:
         "a folder in the folder" if path.is_dir() else "a picture is no recording" if ending in _PICTURES
         else f"files that end in {ending or 'nothing'} are none of recordings"
     )  # fmt: skip
-    shown, mend = _shown(path), "name it by itself, if it is one"
-    return Refused(
-        safe_name(shown), shown, f"not looked at: {what}", "", mend, printable(shown), NOT_LOOKED_AT
-    )
+    told = f"not looked at: {what}", "", "name it by itself, if it is one"
+    shown = _shown(path)
+    return Refused(safe_name(shown), shown, *told, printable(shown), NOT_LOOKED_AT)
 
 
 def _misnamed(path: Path) -> Refused:
@@ -301,27 +300,11 @@ def write(
     restoring: str = "sine",
     lang: str = ENGLISH,
 ) -> Path:
-    """The config written, with the sheet and the table of what is left out beside it; its path.
+    """The path of the config written into the folder, with the sheet and the table of what is left out beside it.
 
-    Parameters
-    ----------
-    folder
-        Where to.
-    kept
-        The rows of the sample sheet.
-    left_out
-        The recordings that cannot be used, with the reason.
-    searched
-        The campaigns to search, where these are not all.
-    restoring
-        ``sine`` or ``linear``.
-    lang
-        The language of the report.
-
-    Raises
-    ------
-    InputError
-        If somebody changed the sheet or the config since they were written here, or the folder cannot be written.
+    ``kept`` are the rows of the sample sheet, ``left_out`` the recordings that cannot be used, with the reason, ``searched`` the campaigns to
+    search; ``restoring`` is ``sine`` or ``linear``, ``lang`` the language of the report. InputError if somebody changed the sheet or the
+    config since they were written here, or the folder cannot be written.
     """
     try:
         _check_untouched(folder)

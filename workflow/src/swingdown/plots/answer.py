@@ -25,17 +25,9 @@ def swings_with_fit(
 ) -> style.Drawn:
     """A figure of angle and fit over time, and below them the residual with the noise; a column each recording.
 
-    Parameters
-    ----------
-    shown
-        Those of one recording in the order of their times. Of more than three recordings those with the largest, the middle and the smallest
-        angle are drawn.
-    noise
-        In rad; None: not measured.
-    data
-        Its ``emulated`` says whether the recordings are.
-    told
-        What stands above, such as period and quality.
+    Those ``shown`` of one recording come in the order of their times; of more than three recordings those with the largest, the middle and the
+    smallest angle are drawn. ``noise`` is in rad (None: not measured), ``emulated`` of ``data`` says whether the recordings are, and
+    ``told`` stands above, such as period and quality.
     """
     parts = Shown.by_recording(shown)
     order = sorted(parts, key=lambda name: -max(float(np.ptp(one.angle)) for one in parts[name]))

@@ -64,9 +64,8 @@ def fig08(calibration: xr.Dataset) -> Figure:
     figure.legend(handles=handles, loc="outside upper left", ncols=len(handles))
     factor = float(data["deviation_line_factor"])  # above 1 no line passes through all boxes as they are
     stretched = f"the dashed lines pass through boxes {factor:g} times as large" if factor > 1 else ""
-    return style.footnote(
-        figure, style.emulated_note(calibration), f"boxes: ± {boxed} (mode {mode})", stretched
-    )
+    boxes_are = f"boxes: ± {boxed} (mode {mode})"
+    return style.footnote(figure, style.emulated_note(calibration), boxes_are, stretched)
 
 
 def _at(line: Floats, voltage: ArrayLike) -> Floats:
@@ -82,13 +81,11 @@ def _lines(axes: Axes, span: Floats, best: Floats, extreme: Floats, about: Float
 
 def _points(axes: Axes, voltage: Floats, angle: Floats, boxes: tuple[Floats, Floats], flagged: Bools) -> None:
     for x, y, wide, high, flag in zip(voltage, angle, *boxes, flagged, strict=True):
-        colour = FLAG if flag else style.INK
+        colour, marker, size = (FLAG, "X", 6.5) if flag else (style.INK, "o", 4)
         if np.isfinite(wide + high):
             axes.add_patch(Rectangle((x - wide, y - high), 2 * wide, 2 * high, facecolor=(colour, 0.13), edgecolor=colour,
                                      lw=0.8, zorder=3))  # fmt: skip
-        axes.plot(
-            x, y, "X" if flag else "o", color=colour, ms=6.5 if flag else 4, mec="white", mew=0.5, zorder=4
-        )
+        axes.plot(x, y, marker, color=colour, ms=size, mec="white", mew=0.5, zorder=4)
 
 
 @style.styled
@@ -119,9 +116,8 @@ def fig09(angles: xr.Dataset) -> Figure:
         low, high = (angle - bound)[window].min(), (angle + bound)[window].max()
         axes.set_ylim(low - 0.06 * (high - low), high + 0.06 * (high - low))
         start, stop = time[window.start], time[window.stop - 1]
-        whole.add_patch(
-            Rectangle((start, low), stop - start, high - low, fill=False, edgecolor=FLAG, lw=1.1, zorder=5)
-        )
+        size = stop - start, high - low
+        whole.add_patch(Rectangle((start, low), *size, fill=False, edgecolor=FLAG, lw=1.1, zorder=5))
         whole.annotate(title[:3], (0.5 * (start + stop), high), xytext=(0.5 * (start + stop), ceiling), ha="center",
                        va="bottom", color=FLAG, fontsize=9, arrowprops={"arrowstyle": "-", "color": FLAG, "lw": 0.8,
                        "shrinkA": 0, "shrinkB": 0})  # fmt: skip

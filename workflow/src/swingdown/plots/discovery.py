@@ -109,12 +109,9 @@ def missing_torque(
         axes.grid(True, axis="y")
     grid[0].set_ylabel(f"missing torque over inertia ({unit}/s²)")
     figure.legend(handles=style.handles_of(figure), loc="outside upper left", ncols=3)
-    return style.footnote(
-        figure,
-        "each as if it alone were missing",
-        "bands: ± 2 standard errors under the measured noise",
-        "time: a change of drag or stiffness, or a push, as a torque at the largest velocity or angle",
-    )
+    bands = "bands: ± 2 standard errors under the measured noise"
+    time = "time: a change of drag or stiffness, or a push, as a torque at the largest velocity or angle"
+    return style.footnote(figure, "each as if it alone were missing", bands, time)
 
 
 def _largest(part: pd.DataFrame) -> str:

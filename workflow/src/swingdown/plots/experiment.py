@@ -80,9 +80,8 @@ def fit_of(label: str, fits: xr.Dataset, angles: xr.Dataset, remark: str = "") -
     legend = figure.legend(
         handles=handles, loc="outside upper left", ncols=len(handles), title_fontsize=10.5, alignment="left"
     )
-    words = (
-        f"{symbol(label, mathtext=True)}  {style.name(label)} damping: norm {float(one['norm']):#.3g}° (RMS)"
-    )
+    norm = f"norm {float(one['norm']):#.3g}° (RMS)"
+    words = f"{symbol(label, mathtext=True)}  {style.name(label)} damping: {norm}"
     legend.set_title(words + (f" — {remark}" if remark else ""))
     return style.footnote(figure, recording_note(angles))
 

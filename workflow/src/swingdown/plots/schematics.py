@@ -59,9 +59,8 @@ def _layout(axes: Axes) -> None:
     for centre, radius, shade in ((shaft, shaft_radius, "#e9edf1"), (bob, bob_radius, STEEL)):
         _edge(Circle(_xy(centre), radius, facecolor=shade), axes, 4)
         axes.plot(*centre, "+", color=style.INK, ms=7, mew=0.9, zorder=6)
-    axes.add_patch(
-        Arc(_xy(shaft), 2.1, 2.1, theta1=-90 + np.degrees(tilt), theta2=-90, color=MOTION, lw=1.2, zorder=5)
-    )
+    begin = -90 + np.degrees(tilt)
+    axes.add_patch(Arc(_xy(shaft), 2.1, 2.1, theta1=begin, theta2=-90, color=MOTION, lw=1.2, zorder=5))
     inside = shaft + 1.27 * np.array([np.sin(tilt / 2), -np.cos(tilt / 2)])
     _label(axes, *_xy(inside), r"$\theta$", MOTION, 14)
     measured = style.COLOURS["quadratic_drag"]

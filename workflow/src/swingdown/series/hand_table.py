@@ -87,10 +87,7 @@ class HandTable(NamedTuple):
     def seconds(self, path: Path) -> pd.DataFrame:
         """The times of one swing by line and column, NaN for empty cells.
 
-        Raises
-        ------
-        InputError
-            If the heads do not say of how many swings the times are, or a cell is no number above 0.
+        InputError if the heads do not say of how many swings the times are, or a cell is no number above 0.
         """
         if not self.times[0].swings:
             raise InputError(f"{path.name}, column {self.times[0].name}", "it does not say how many swings each time covers", COUNTED, "write it into the head")  # fmt: skip

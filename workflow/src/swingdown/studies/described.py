@@ -206,13 +206,7 @@ def _beside(norms: xr.Dataset, label: str, model: Model) -> Beside | None:
 
 
 def values_of(norms: xr.Dataset, label: str, catalogue: Catalogue = SHIPPED) -> tuple[Model, Floats]:
-    """The fitted model, and the covariance of its parameters in the order of ``Model.parameters``.
-
-    Parameters
-    ----------
-    norms, label, catalogue
-        As of ``described``.
-    """
+    """The fitted model, and the covariance of its parameters in the order of ``Model.parameters``; arguments as of ``described``."""
     options = {key: str(norms.attrs[key]) for key in ("restoring", "form") if key in norms.attrs}
     model = Model(tuple(label.split("+")), catalogue=catalogue, **options).of(reading_of(norms))  # type: ignore[arg-type]
     # by position: a selection by name of a whole dataset takes longer than a fit

@@ -170,23 +170,11 @@ def followed(
     fit_one: Callable[..., xr.Dataset] = fit_free,
     alone: bool = False,
 ) -> tuple[xr.Dataset, xr.Dataset]:
-    """The angles of a recording with their fits: of one that no model follows, those of its longest free stretch.
+    """The angles of a recording (``measurement.angle.to_angle``) with their fits of the models ``known``: of one that no model follows, those
+    of its longest free stretch.
 
-    Parameters
-    ----------
-    angle
-        As ``measurement.angle.to_angle`` returns it.
-    known
-        The models to fit.
-    fit_one
-        ``fit_free`` or ``fit_any``.
-    alone
-        Whether it has no others beside it, and is read once more by who asks.
-
-    Raises
-    ------
-    InputError
-        As of ``fit_one``, where no stretch is followed either.
+    ``fit_one`` is ``fit_free`` or ``fit_any``. One that is ``alone`` has no others beside it, and is read once more by who asks. InputError as
+    of ``fit_one``, where no stretch is followed either.
     """
     try:
         return angle, fit_one(angle, known)

@@ -155,10 +155,8 @@ def fit_campaign(
         )
     angles = in_one_step(angles)
     swings = [_swing(angle) for angle in angles]
-    series = [
-        swing_under(drive_of(angle), times, values)
-        for angle, (_, times, values) in zip(angles, swings, strict=True)
-    ]
+    pairs = zip(angles, swings, strict=True)
+    series = [swing_under(drive_of(angle), times, values) for angle, (_, times, values) in pairs]
     reading = read_alike(str(angles[0].attrs.get("campaign", "")), angles)
     models = [as_model(one).of(reading) for one in fitted]
     slack = of_angles(angles)
@@ -177,14 +175,11 @@ def fit_campaign(
     variables["record_s"] = ("recording", [float(times[-1] - times[0]) for times, _ in series])
     about = [facts_of(angle) for angle in angles]
     variables |= prior_of(slack)
-    coords |= slack_of(any_of(fits)) | {
-        "parameter_2": dataset.variable("parameter_2", names, "other parameter"),
-        "recording": dataset.variable("recording", [name for name, *_ in swings], "recording"),
-        **{
-            key: dataset.variable("recording", [one[key][0] for one in about], text)
-            for key, (_, text) in about[0].items()
-        },
-    }
+    told = {"recording": ([name for name, *_ in swings], "recording")}
+    told |= {key: ([one[key][0] for one in about], text) for key, (_, text) in about[0].items()}
+    coords |= slack_of(any_of(fits))
+    coords["parameter_2"] = dataset.variable("parameter_2", names, "other parameter")
+    coords |= {key: dataset.variable("recording", *one) for key, one in told.items()}
     emulated = "yes" if "yes" in coords["emulated"][1] else "no"
     attrs = options_of(models, start) | {"emulated": emulated, "campaign": coords["campaign"][1][0]}
     return in_units(labelled(xr.Dataset(variables, coords, attrs)), models[0].reading)
@@ -214,11 +209,8 @@ def _fits(models: Sequence[Model], swings: Sequence[Swing], slack: Slack, start:
     def in_place(model: Model, fit: Fit | None) -> list[Begin]:
         if fit is None:
             return []
-        begun = fit.begin.swings
-        return [
-            Begin(model, tuple(one._replace(values=values) for one in begun))
-            for values in stand_ins(model, fit.model)
-        ]
+        each = stand_ins(model, fit.model)
+        return [Begin(model, tuple(one._replace(values=own) for one in fit.begin.swings)) for own in each]
 
     def allowed(fit: Fit | None) -> Fit | None:
         if fit is None or not slack.names:  # the clock is in the fit already

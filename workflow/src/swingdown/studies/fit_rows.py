@@ -20,13 +20,7 @@ from .norms import Variable, spread
 
 One = TypeVar("One")
 
-_OF_EACH = (
-    "value",
-    "standard_error",
-    "random_standard_error",
-    "systematic_standard_error",
-    "coverage_factor",
-)
+_OF_EACH = ("value", "coverage_factor", *(f"{kind}standard_error" for kind in ("", "random_", "systematic_")))
 DIMS: dict[str, tuple[str, ...]] = {
     **dict.fromkeys(("fit", "residual", "time_residual"), ("fitted", "time")),
     **dict.fromkeys(("correlation", "covariance"), ("fitted", "parameter", "parameter_2")),
@@ -49,6 +43,7 @@ def row_of_fit(
         "systematic_standard_error": np.sqrt(np.sum(known.systematic**2, axis=1)),
         "coverage_factor": known.factors,
     }
+    correlation = known.covariance / np.outer(parts["standard_error"], parts["standard_error"])
     errors = {key: dict(zip(fit.free, values, strict=True)) for key, values in parts.items()}
     nuisance = fit.model.slack.parameters
     by_source = dict(zip(fit.free, known.systematic, strict=True))
@@ -61,9 +56,9 @@ def row_of_fit(
         "nuisance_standard_error": spread(errors["standard_error"], nuisance),
         "zero": fit.model.values.get(ZERO, np.nan) if ZERO in nuisance else np.nan,
         "zero_u": errors["standard_error"].get(ZERO, np.nan) if ZERO in nuisance else np.nan,
-        "correlation": over_names(_correlated(known.covariance), fit.free, names),
+        "correlation": over_names(correlation, fit.free, names),
         "covariance": over_names(known.covariance, fit.free, names),
-        "condition_number": _condition(known.covariance),
+        "condition_number": float(np.linalg.cond(correlation)) if np.isfinite(correlation).all() else np.nan,
         "reduced_chi2": _reduced_chi2(fit, swings, angles),
         "bic": fit.bic,
         "aicc": fit.aicc,
@@ -91,16 +86,9 @@ def _beside(known: Uncertainty, fit: Fit, names: Sequence[str]) -> dict[str, Any
 
 
 def largest_angles(fit: Fit, swings: Sequence[Swing], courses: Courses | None = None) -> list[float]:
-    """The largest angle (rad) of each fitted swing's motion, about where it hangs.
+    """The largest angle (rad) of the motion of each of these swings (times in s, readings), fitted together, about where it hangs.
 
-    Parameters
-    ----------
-    fit
-        Of the swings together.
-    swings
-        Times (s) and readings.
-    courses
-        What free courses do beside the fit: the angles are then those of both together.
+    ``courses`` is what free courses do beside the fit: the angles are then those of both together.
     """
     begins = courses.begins if courses else [0.0] * len(fit.swings)
     found = [
@@ -223,11 +211,6 @@ def _reduced_chi2(fit: Fit, swings: Sequence[Swing], angles: Sequence[xr.Dataset
     return total / (fit.n - len(fit.free))
 
 
-def _correlated(covariance: Floats) -> Floats:
-    errors = standard_errors(covariance)
-    return covariance / np.outer(errors, errors)
-
-
 def over_names(matrix: Floats, free: Sequence[str], names: Sequence[str]) -> Floats:
     """A matrix over ``free`` values (a fit's correlation or covariance) over ``names``, NaN for those that are not free."""
     found = np.full((len(names), len(names)), np.nan)
@@ -235,11 +218,6 @@ def over_names(matrix: Floats, free: Sequence[str], names: Sequence[str]) -> Flo
     where, at = [names.index(name) for name in own], [free.index(name) for name in own]
     found[np.ix_(where, where)] = matrix[np.ix_(at, at)]
     return found
-
-
-def _condition(covariance: Floats) -> float:
-    matrix = _correlated(covariance)
-    return float(np.linalg.cond(matrix)) if np.all(np.isfinite(matrix)) else np.nan
 
 
 def known_part(angle: xr.Dataset, name: str) -> Floats | None:

@@ -27,15 +27,8 @@ AIR = Stated(1.20, 0.08 / np.sqrt(3), "kg/m^3")
 # What a ball in an ideal fluid carries along, in masses of the air it displaces; the layer that clings to it adds up to as much again
 # (Stokes 1851; Nelson and Olsson, Am. J. Phys. 54, 112 (1986)).
 CARRIED = Stated(0.5, 0.5 / np.sqrt(3), "1")
-_COLUMNS = [
-    "quantity",
-    "value",
-    "standard_uncertainty",
-    "unit",
-    "sensitivity",
-    "contribution_m_per_s2",
-    "note",
-]
+_U, _PART = "standard_uncertainty", "contribution_m_per_s2"
+_COLUMNS = ["quantity", "value", _U, "unit", "sensitivity", _PART, "note"]
 
 
 @dataclass(frozen=True)
@@ -184,7 +177,7 @@ def _propagated(
         note = "its uncertainty was not given" + ("" if name in lengths else ", and counts as none")
         rows.append([name, one.value, one.uncertainty, one.unit, slope, abs(slope) * one.uncertainty, note if unknown else ""])  # fmt: skip
     budget = pd.DataFrame(rows, columns=_COLUMNS)
-    parts = budget.set_index("quantity")["contribution_m_per_s2"]
+    parts = budget.set_index("quantity")[_PART]
     known = float(np.sqrt(np.nansum(parts.drop(list(lengths)) ** 2)))
     total = float(np.hypot(known, np.sqrt(np.sum(parts[list(lengths)].to_numpy() ** 2))))
     more = pd.DataFrame(corrections, columns=_COLUMNS)
@@ -311,8 +304,8 @@ def budgets(found: Mapping[str, Gravity]) -> pd.DataFrame:
     parts = []
     for name, one in found.items():
         total = {
-            "quantity": "g", "value": one.value, "standard_uncertainty": one.uncertainty, "unit": UNIT, "sensitivity": 1.0,
-            "contribution_m_per_s2": one.uncertainty, "note": of_words(one),
+            "quantity": "g", "value": one.value, _U: one.uncertainty, "unit": UNIT, "sensitivity": 1.0, _PART: one.uncertainty,
+            "note": of_words(one),
         }  # fmt: skip
         part = pd.concat([one.budget, pd.DataFrame([total])], ignore_index=True)
         part.insert(0, "recording", name)

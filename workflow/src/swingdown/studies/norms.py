@@ -169,11 +169,9 @@ def combine_recordings(datasets: Iterable[xr.Dataset]) -> xr.Dataset:
 
 
 def _with_recording(dataset: xr.Dataset) -> xr.Dataset:
-    own = {
-        name: ("recording", [str(dataset[name].item())], dataset[name].attrs)
-        for name in ("campaign", "emulated", "label", "reading", "uncertainty", "points", "points_unit")
-        if name in dataset.coords
-    }
+    names = ("campaign", "emulated", "label", "reading", "uncertainty", "points", "points_unit")
+    known = [dataset[name] for name in names if name in dataset.coords]
+    own = {one.name: ("recording", [str(one.item())], one.attrs) for one in known}
     return dataset.expand_dims("recording").assign_coords(own)
 
 

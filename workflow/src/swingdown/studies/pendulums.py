@@ -31,15 +31,9 @@ from .turning_points import NOT_DAMPED, as_told, passages_told, period_of_passag
 from .unscaled import as_seen, at_first_swing, meets
 
 _SUFFIX = {
-    "1": "",
-    "rad/s": "_rad_per_s",
-    "rad/s^2": "_rad_per_s2",
-    "m/s^2": "_m_per_s2",
-    "1/s": "_per_s",
-    "1/s^2": "_per_s2",
-    "s": "_s",
+    "1": "", "rad/s": "_rad_per_s", "rad/s^2": "_rad_per_s2", "m/s^2": "_m_per_s2", "1/s": "_per_s", "1/s^2": "_per_s2", "s": "_s",
     "rad": "_rad",
-}
+}  # fmt: skip
 TOGETHER = "(joint)"  # stands for all recordings of a pendulum
 REFUSED = "refused"  # stands where a verdict would, for a file that could not be read
 

@@ -86,7 +86,10 @@ def _scale_of(swings: Sequence[Swing], restoring: str, reading: str, stated: boo
             continue
         left = other.rms / factor
         better, by = (other, factor) if left < given.rms else (given, 1.0)
-        samples = _independent(better, swings, by)
+        inflation = uncertainty(better, _scaled(swings, by)).inflation
+        samples = (
+            better.n / max(1.0, inflation) if np.isfinite(inflation) else 0.0
+        )  # that count as independent
         evidence = 2 * samples * log(given.rms / left)
         told |= factor < 1 and abs(evidence) > _CLEAR**2
         less = left if factor < 1 else less
@@ -132,12 +135,6 @@ def _swings(swings: Sequence[Swing], factor: float, given: Fit) -> bool:
 
 def _scaled(swings: Sequence[Swing], factor: float) -> list[Swing]:
     return [(times, factor * angle) for times, angle in swings]
-
-
-def _independent(fit: Fit, swings: Sequence[Swing], factor: float) -> float:
-    """How many of the samples count as independent beside what the fit leaves."""
-    inflation = uncertainty(fit, _scaled(swings, factor)).inflation
-    return fit.n / max(1.0, inflation) if np.isfinite(inflation) else 0.0
 
 
 def _does_all(other: Fit, swings: Sequence[Swing], factor: float, given: float, samples: float) -> bool:

@@ -126,8 +126,20 @@ def simulation_norms(
     names = coords["parameter"][1]
     shape = (1, len(fitted), len(swings))
     variables: dict[str, Variable] = {}
+
+    def rows_of(method: Callable[..., Fit], swing: Floats) -> dict[str, list[Any]]:
+        fits = fit_nested(family, lambda model, guess: method(model, times, swing, guess=guess, start=start))
+        return {
+            "norm": [_rms_degrees(fit.angle - truth) for fit in fits],
+            "residual_norm": [_rms_degrees(fit.angle - swing) for fit in fits],
+            "value": [spread(fit.model.values, names) for fit in fits],
+            "standard_error": [spread(fit.model.standard_errors, names) for fit in fits],
+            "converged": [fit.converged for fit in fits],
+            "evaluations": [fit.evaluations for fit in fits],
+        }
+
     for prefix, method in (("", fit_nelder_mead), ("least_squares_", fit_trajectory)):
-        rows = [_rows(method, family, times, swing, truth, names, start) for swing in swings]
+        rows = [rows_of(method, swing) for swing in swings]
         for name in rows[0]:
             stacked = np.array([row[name] for row in rows]).swapaxes(0, 1)
             dims = ("simulated", "fitted", "realization", "parameter")[: stacked.ndim + 1]
@@ -139,26 +151,6 @@ def simulation_norms(
     data = xr.Dataset(variables, coords, realizations.attrs | {"start": start})
     meaning = "RMS of fit minus noise-free truth"
     return labelled(data, norm=meaning, least_squares_norm=meaning)
-
-
-def _rows(
-    method: Callable[..., Fit],
-    family: Sequence[Model],
-    times: Floats,
-    swing: Floats,
-    truth: Floats,
-    names: Sequence[str],
-    start: str,
-) -> dict[str, list[Any]]:
-    fits = fit_nested(family, lambda model, guess: method(model, times, swing, guess=guess, start=start))
-    return {
-        "norm": [_rms_degrees(fit.angle - truth) for fit in fits],
-        "residual_norm": [_rms_degrees(fit.angle - swing) for fit in fits],
-        "value": [spread(fit.model.values, names) for fit in fits],
-        "standard_error": [spread(fit.model.standard_errors, names) for fit in fits],
-        "converged": [fit.converged for fit in fits],
-        "evaluations": [fit.evaluations for fit in fits],
-    }
 
 
 def _rms_degrees(series: Floats) -> float:

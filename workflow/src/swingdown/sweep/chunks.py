@@ -101,23 +101,8 @@ def deal(sweep, book, code="", again=False):
     """The ``Dealt`` of a sweep: chunks of the book that hold what it wants, then new ones.
 
     Chunks with results, in the folder ``chunks`` beside the book, come first. One without results that holds more than is wanted
-    is passed over.
-
-    Parameters
-    ----------
-    sweep
-        The ``Sweep``.
-    book
-        The path of the book, which need not exist.
-    code
-        The version that computes what is missing.
-    again
-        Whether results of other code count as missing.
-
-    Raises
-    ------
-    InputError
-        For more than ``MOST_JOBS`` chunks.
+    is passed over. ``book`` is the path of the book, which need not exist, and ``code`` the version that computes what is missing; results
+    of other code count as missing if it is to be ``again``. InputError for more than ``MOST_JOBS`` chunks.
     """
     there = made(Path(book).parent / "chunks")
     chunks, open_parts = _held(sweep, book, there)

@@ -67,11 +67,9 @@ DETECTION = BOTH | {
 }
 
 
-def add(file, sweep, listed, reasons):
-    """The open netCDF4 ``file`` of a combined sweep with variables for the cells' probabilities, and why cells were not made.
-
-    ``listed`` are the fitted models, ``reasons`` the texts by the cell's index.
-    """
+def add(file, sweep, reasons):
+    """The open netCDF4 ``file`` of a combined sweep with variables for the cells' probabilities, and why cells were not made: the
+    ``reasons`` by the cell's index."""
     kinds, axes = _kinds(sweep), tuple(axis.dim for axis in sweep.axes)
     if sweep.computes == "detection":
         from .detection import OUTCOMES
@@ -207,6 +205,7 @@ class _Detected(_Cell):
 
     def told(self):
         share = self._said / (self.made or math.nan)
+        reached = not self._asked or abs(self._left / self._asked - 1) < REACHED
         return self._counted() | {
             "share": share,
             "found": 1 - share[self._words.index("nothing")] - share[self._words.index("failed")],
@@ -214,13 +213,8 @@ class _Detected(_Cell):
             "size_of_effect": self._size,
             "left_by_base": self._left,
             "mean_gap": self._gap / self._gaps if self._gaps else math.nan,
-            "reached": self._reached(),
+            "reached": float(reached) if self.made else math.nan,
         }
-
-    def _reached(self):
-        if not self.made:
-            return math.nan
-        return float(not self._asked or abs(self._left / self._asked - 1) < REACHED)
 
 
 def _kinds(sweep):

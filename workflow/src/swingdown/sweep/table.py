@@ -189,10 +189,8 @@ def _sweep(name, entry, base, where):
 
 
 def _axis(keys, steps, names, own):
-    first, *others = [
-        Axis(key, names[key], tuple(step[k] for step in steps), unit(key, own), _words(key))
-        for k, key in enumerate(keys)
-    ]
+    each = zip(keys, zip(*steps, strict=True), strict=True)
+    first, *others = [Axis(key, names[key], values, unit(key, own), _words(key)) for key, values in each]
     return replace(first, coupled=tuple(others))
 
 

@@ -1,6 +1,7 @@
 """What the models lack, campaign by campaign."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
+from dataclasses import replace
 from math import nan
 from typing import Any
 
@@ -106,21 +107,15 @@ def _effects(
         for name, entry in one["parameters"].items()
         if entry["value"] is not None
     ]
-    return _of_verdict(found["campaign"], title, caption, columns, each, notes)
+    return _of_verdict(found["campaign"], Table(title, caption, columns, cells(columns, each), notes))
 
 
-def _of_verdict(
-    campaign: str,
-    title: str,
-    caption: str,
-    columns: list[Column],
-    each: Iterable[Any],
-    notes: tuple[str, ...],
-) -> Table:
-    """A table whose numbers stand in a campaign's verdict."""
-    label, link = f"{title}, {campaign}", f"discovery/{campaign}/verdict.json"
-    rows = cells(columns, each)
-    return Table(label, caption, columns, rows, notes, (), link, "discover_verdict", (campaign,))
+def _of_verdict(campaign: str, table: Table) -> Table:
+    """The table with what all have whose numbers stand in a campaign's verdict."""
+    link = f"discovery/{campaign}/verdict.json"
+    return replace(
+        table, label=f"{table.label}, {campaign}", link=link, rule="discover_verdict", of=(campaign,)
+    )
 
 
 def _percent(share: float | None) -> str:
@@ -140,4 +135,4 @@ def _where(found: dict[str, Any]) -> Table:
     rows = ({"name": name} | one for name, one in found["where"]["groups"].items())
     caption = f"Where the base model of {campaign} fails: what a torque of any form in one variable, a sensor error or a line would explain."
     notes = ("Groups overlap: shares do not add up. “At the end” is given where something remains.",)
-    return _of_verdict(campaign, "Disagreement", caption, columns, rows, notes)
+    return _of_verdict(campaign, Table("Disagreement", caption, columns, cells(columns, rows), notes))
