@@ -60,9 +60,8 @@ def write(dataset: xr.Dataset, path: str | Path, replace: bool = True) -> Path:
     try:
         with written_whole(path, replace) as partial:
             # a dimension of nothing comes back from a file as one without a limit
-            dataset.to_netcdf(
-                partial, engine="netcdf4", format="NETCDF4", encoding=encoding, unlimited_dims=()
-            )
+            form: dict[str, Any] = {"engine": "netcdf4", "format": "NETCDF4", "unlimited_dims": ()}
+            dataset.to_netcdf(partial, encoding=encoding, **form)
             # last of all: a killed writer leaves a file that opens cleanly
             with netcdf.Dataset(partial, "a") as file:
                 file.setncattr(SEALED, "SHA-256 behind the end")

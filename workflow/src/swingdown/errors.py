@@ -22,14 +22,8 @@ _SETTING = re.compile(r"⟨(in )?(\w+)(?:=([^⟩]*))?⟩")
 class Audience:
     """How those who are told of a setting say it.
 
-    Attributes
-    ----------
-    names
-        What they call a setting, by the name of its cell. Any other is a cell to them, too.
-    inside, pair
-        The patterns of ⟨in NAME⟩ and ⟨NAME=value⟩.
-    quoted
-        Whether values that are no numbers are put in quotes.
+    ``names``: what they call a setting, by the name of its cell; any other is a cell to them, too. ``inside`` and ``pair`` are the patterns
+    of ⟨in NAME⟩ and ⟨NAME=value⟩; values that are no numbers are put in quotes if ``quoted``.
     """
 
     names: Mapping[str, str] = field(default_factory=dict)

@@ -112,22 +112,8 @@ def check(content: Any, schema: str, where: object, part: str = "key") -> dict[s
 
     Unknown keys are refused before all other faults. A number is a finite number. A group that stands there empty counts as left out.
     Beside JSON Schema's own words a schema may say of a value that it refuses what is the matter with it (``refused``) and the ``mend``.
-
-    Parameters
-    ----------
-    content
-        The mapping.
-    schema
-        File name in ``schemas``.
-    where
-        What an error names as its place.
-    part
-        What a key is called there: the row of a table has columns.
-
-    Raises
-    ------
-    InputError
-        For the first fault, with the key.
+    ``schema`` is a file name in ``schemas``. InputError for the first fault, with the key: ``where`` is the place that it names, and ``part``
+    what a key is called there, as the row of a table has columns.
     """
     if not isinstance(content, dict):
         problem = "it is not a mapping of keys to values"

@@ -147,7 +147,8 @@ def _study(given: Sequence[str], told: Mapping[str, Any], wishes: Wishes) -> Fou
     about_one = {key: cell for key, cell in told.items() if key != PIVOTS}
     rows = own.rows(paths, folder, wishes.together, about_one)
     with_lengths(rows, about_one, told.get(PIVOTS))
-    _tell_passed(passed)
+    for problem in dict.fromkeys(one.problem for one in passed):
+        _say(f"{', '.join(one.label for one in passed if one.problem == problem)}: {problem}")
     taken, left_out = _read(paths, rows, restoring)
     taken, left_out = own.apart(taken), left_out + passed
     if not taken:
@@ -289,12 +290,6 @@ def _draw_tracks(kept: Sequence[own.Taken], folder: Path) -> None:
             with written_whole(drawn) as partial:
                 partial.write_bytes(tracked(film).picture)
             _say(f"the track of the bob: {drawn}; look whether it is the bob's")
-
-
-def _tell_passed(passed: Sequence[own.Refused]) -> None:
-    """What of a folder is not looked at, in a line for each reason."""
-    for problem in dict.fromkeys(one.problem for one in passed):
-        _say(f"{', '.join(one.label for one in passed if one.problem == problem)}: {problem}")
 
 
 def _several(parts: Sequence[own.Taken | own.Refused]) -> str:

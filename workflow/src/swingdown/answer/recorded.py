@@ -279,9 +279,8 @@ def _taken(row: Mapping[str, Any], path: Path, restoring: str, told: Mapping[str
     found = [one for one in parts if isinstance(one, own.Taken)]
     runs = [str(one.row["run"]) for one in found if "run" in one.row]
     if len(runs) > 1 and "run" not in told:
-        raise InputError(
-            path.name, f"it holds {len(runs)} runs: {', '.join(runs)}", "one run", f"say run={runs[0]!r}"
-        )
+        problem = f"it holds {len(runs)} runs: {', '.join(runs)}"
+        raise InputError(path.name, problem, "one run", f"say run={runs[0]!r}")
     return found
 
 

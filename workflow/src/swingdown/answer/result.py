@@ -39,17 +39,7 @@ _WITH_ANGLES = "a swing, turning points, or passages with speeds"
 
 
 class Begin(NamedTuple):
-    """How a fitted swing begins.
-
-    Attributes
-    ----------
-    time
-        Time of its first sample, in s.
-    angle, velocity
-        Angle (rad) and angular velocity (rad/s) there.
-    duration
-        Its length, in s.
-    """
+    """How a fitted swing begins: the time (s) of its first sample, angle (rad) and angular velocity (rad/s) there, and its length (s)."""
 
     time: float
     angle: float

@@ -128,21 +128,8 @@ def laws(
 ) -> Laws:
     """The ``Laws`` of an angle dataset, sampled or of turning points.
 
-    Parameters
-    ----------
-    angle
-        The angle dataset.
-    known
-        Fits of ``studies.experiment.fit_recording`` to it (fitted, parameter), from which these start.
-    restoring
-        ``sine`` or ``linear``.
-    catalogue
-        The effects.
-
-    Raises
-    ------
-    InputError
-        For passages without speeds, and for a swing too short to fit.
+    They start from the ``known`` fits of ``studies.experiment.fit_recording`` to it (fitted, parameter); ``restoring`` is ``sine`` or
+    ``linear``, ``catalogue`` has the effects. InputError for passages without speeds, and for a swing too short to fit.
     """
     asked = everyday(restoring) if known is None else as_text(known["fitted"])
     chosen_from = tuple(asked) if known is None else usable(known, catalogue)
@@ -337,23 +324,9 @@ def _change(curves: xr.Dataset | None) -> str:
 def envelopes(found: Sequence[Laws], curves: xr.Dataset | None = None, emulated: str = "no") -> xr.Dataset:
     """The amplitudes of the turning points of a pendulum's largest swing, what the laws make of them, and whether the decay is exponential.
 
-    Parameters
-    ----------
-    found, curves
-        As of ``exponential_words``.
-    emulated
-        ``yes`` or ``no``.
-
-    Returns
-    -------
-    xarray.Dataset
-        Amplitudes (rad; of an angular rate rad/s) over ``time`` (s), and over ``law`` and ``time`` those of each single law and of that which
-        the sentence names (``best``).
-
-    Raises
-    ------
-    InputError
-        If there are too few turning points.
+    A Dataset of amplitudes (rad; of an angular rate rad/s) over ``time`` (s), and over ``law`` and ``time`` those of each single law and of
+    that which the sentence names (``best``). ``found`` and ``curves`` are as of ``exponential_words``, ``emulated`` is ``yes`` or ``no``.
+    InputError if there are too few turning points.
     """
     best, own = exponential(found)[2], max(found, key=lambda one: float(np.ptp(one.series)))
     shown = [one for one in own.laws if one.label in (*_SINGLE, best)]

@@ -49,20 +49,10 @@ def with_discrepancy(
 ) -> dict[str, Known]:
     """Period (s) and loss of the logarithm of the amplitude in a half-swing of a model, its restoring torque and friction (rad/s²).
 
-    Parameters
-    ----------
-    found
-        What the same half-swings tell free of it.
-    model, covariance
-        With values, and of its parameters; None where nothing is known of them but the values.
-    amplitude, angle, speed
-        Where the curves are asked for, in rad, rad (none is zero) and rad/s.
-
-    Returns
-    -------
-    dict
-        ``period`` and ``loss`` over the amplitude, ``restoring`` over the angle, ``friction`` over the speed; nan where the model does not
-        swing, and of what nothing timed tells.
+    By name: ``period`` and ``loss`` over the amplitude, ``restoring`` over the angle, ``friction`` over the speed; nan where the model does
+    not swing, and of what nothing timed tells. ``found`` is what the same half-swings tell free of the model, which has values; ``covariance``
+    that of its parameters, None where nothing is known of them but the values. The curves are asked for at these amplitudes (rad), angles
+    (rad; none is zero) and speeds (rad/s).
     """
     grid = np.geomspace(found.low, found.high, _GRID)
     inverse, spread = _friction_of(found, grid)

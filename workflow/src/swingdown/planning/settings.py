@@ -34,9 +34,8 @@ def complete(config: Mapping[str, Any], where: str = "config") -> dict[str, Any]
     Raises InputError, with the full name of the key and a near match where there is one, for an unknown key, a value
     of another kind or out of bounds, and a model that is not built from the catalogue's effects and the study's own.
     """
-    config = as_said(
-        config, _SCHEMA, ("capture", "live", "recover", "recompute", "height", "count", "session", "monitor")
-    )
+    keys = ("capture", "live", "recover", "recompute", "height", "count", "session", "monitor")
+    config = as_said(config, _SCHEMA, keys)
     settings = with_defaults(check(config, _SCHEMA, where))
     _check_size(settings["simulation"], f"{where}, key simulation")
     known = catalogue(settings["effects"], f"{where}, key effects")

@@ -65,23 +65,10 @@ def half_swings_of(data: xr.Dataset, restoring: str = "sine") -> HalfSwings:
 def of_samples(
     name: str, times: Floats, angle: Floats, scaled: bool = True, quiet: Floats | None = None
 ) -> HalfSwings:
-    """The half-swings of a sampled swing.
+    """The half-swings of a sampled swing: times (s) and angle (rad), both of shape (sample,), whose scale is known if ``scaled``.
 
-    Parameters
-    ----------
-    name
-        The recording, which an error names.
-    times, angle
-        In s and rad, both of shape (sample,).
-    scaled
-        Whether the angle's scale is known.
-    quiet
-        The same swing without its noise, by which its passages and sides are told; None where it has little.
-
-    Raises
-    ------
-    InputError
-        If there are fewer than four half-swings, or too few samples in each.
+    ``quiet`` is the same swing without its noise, by which its passages and sides are told; None where it has little. InputError, which names
+    the recording, if there are fewer than four half-swings, or too few samples in each.
     """
     quiet = angle if quiet is None else quiet
     rough, centre = _passages(times, quiet), 0.0

@@ -144,23 +144,9 @@ def over_laws(
 ) -> dict[str, Quantity]:
     """Natural frequency, period, quality and decay time by name, whichever law of damping holds, and the parameters of the ``known`` models.
 
-    Parameters
-    ----------
-    norms
-        Over fitted, parameter and parameter_2, of one recording.
-    weight
-        How much each law counts, by label (``weights``).
-    amplitude
-        The angle at which they hold, rad.
-    catalogue
-        The one that the models are of.
-    known
-        The quantities of models by label, where they are known already.
-
-    Returns
-    -------
-    dict
-        The means over the laws; an uncertainty holds that of each law, and how far they are apart. A parameter keeps the value of its model.
+    They are the means over the laws at an amplitude (rad); an uncertainty holds that of each law, and how far they are apart. A parameter keeps
+    the value of its model. ``norms`` are over fitted, parameter and parameter_2, of one recording; ``weight`` is how much each law counts, by
+    label (``weights``), ``known`` the quantities of models by label, where they are known already.
     """
     own = dict(known or {})
     told = {name: one for found in own.values() for name, one in found.items() if name not in UNITS}
@@ -172,18 +158,10 @@ def over_laws(
 def described(
     norms: xr.Dataset, label: str, catalogue: Catalogue = SHIPPED, amplitude: float | None = None
 ) -> tuple[float, dict[str, Quantity]]:
-    """The amplitude (rad) at which the quantities of one recording hold, and these by name.
+    """The amplitude (rad) at which the quantities of one recording hold, by default the largest fitted angle, and these by name.
 
-    Parameters
-    ----------
-    norms
-        Over fitted, parameter and parameter_2: of one recording, or of several fitted together.
-    label
-        Of the model.
-    catalogue
-        The effects that the model is made of.
-    amplitude
-        In rad. Default: the largest fitted angle.
+    ``norms`` are over fitted, parameter and parameter_2, of one recording or of several fitted together; ``label`` is that of the model,
+    ``catalogue`` has the effects that it is made of.
     """
     model, covariance = values_of(norms, label, catalogue)
     if amplitude is None:

@@ -90,9 +90,8 @@ def ask_free(fits: xr.Dataset, angle: xr.Dataset, fitted: Sequence[Model], start
         usual = everyday(restoring)
         if {model.label for model in fitted} >= set(usual):
             raise
-        general = [
-            Model(tuple(label.split("+")), {}, {}, restoring, fitted[0].form, known) for label in usual
-        ]
+        named = [tuple(label.split("+")) for label in usual]
+        general = [Model(one, {}, {}, restoring, fitted[0].form, known) for one in named]
         more = fit_any(angle, general, start)
         check_free(more, angle, label := describes(more, known), known)
         fits = more

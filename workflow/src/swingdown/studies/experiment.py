@@ -133,19 +133,8 @@ def fit_campaign(
 ) -> xr.Dataset:
     """A Dataset (fitted, recording, parameter, parameter_2) of models fitted to all swings of a campaign together.
 
-    The parameters are shared, each swing has its own release. ``rms`` (rad) and ``norm`` (degrees) are by swing.
-
-    Parameters
-    ----------
-    angles
-        Datasets as ``fit_recording`` takes them.
-    fitted, start
-        As in ``fit_recording``.
-
-    Raises
-    ------
-    InputError
-        If there is no swing, or one too short to fit, or without an angle.
+    The parameters are shared, each swing has its own release. ``rms`` (rad) and ``norm`` (degrees) are by swing. The arguments are as in
+    ``fit_recording``, with a dataset for each swing. InputError if there is no swing, or one too short to fit, or without an angle.
     """
     for why in sharing(angles)[1].values():
         raise why

@@ -33,18 +33,10 @@ _COLUMNS = ["quantity", "value", _U, "unit", "sensitivity", _PART, "note"]
 
 @dataclass(frozen=True)
 class Gravity:
-    """g with its uncertainty.
+    """g with its uncertainty, in m/s²; the uncertainty is NaN where a length has none, and ``u_without_length`` that by all inputs but the lengths.
 
-    Attributes
-    ----------
-    value, uncertainty
-        In m/s²; the uncertainty is NaN where a length has none.
-    u_without_length
-        The standard uncertainty by all inputs but the lengths.
-    of
-        What the pendulum was taken for.
-    budget
-        A row for each input: quantity, value, standard_uncertainty, unit, sensitivity, contribution_m_per_s2, note.
+    ``of``: what the pendulum was taken for. ``budget``: a row for each input, quantity, value, standard_uncertainty, unit, sensitivity,
+    contribution_m_per_s2, note.
     """
 
     value: float
@@ -201,23 +193,10 @@ def _corrections(frequency: float, amplitude: float, period: float) -> list[dict
 def with_gravity(
     table: pd.DataFrame, stated: Mapping[str, Mapping[str, Any]], restoring: str = "sine"
 ) -> tuple[pd.DataFrame, dict[str, Gravity]]:
-    """A table of ``pendulums`` with g where a length is stated, and the ``Gravity`` of each by recording.
+    """A table of ``studies.pendulums`` with g where a length is stated, and the ``Gravity`` of each by recording.
 
-    Nothing is added for a spring, for a length in pixels, and where the period at no amplitude is known.
-
-    Parameters
-    ----------
-    table
-        A table of ``studies.pendulums``.
-    stated
-        The cells of the sample sheet, by recording.
-    restoring
-        ``sine`` or ``linear``.
-
-    Raises
-    ------
-    InputError
-        For a cell that is no length.
+    Nothing is added for a spring (``restoring`` linear), for a length in pixels, and where the period at no amplitude is known. ``stated`` are
+    the cells of the sample sheet, by recording. InputError for a cell that is no length.
     """
     rows, found = [], {}
     for row in table.to_dict("records"):

@@ -12,7 +12,7 @@ from ..errors import InputError
 from ..pendulum.model import Model, as_model, symbol
 
 # value and standard errors hold parameters of different units side by side, so plain numbers
-_OF_EACH = "number of the unit that parameter_unit names"
+_EACH = "number of the unit that parameter_unit names"
 LABELS: dict[str, tuple[str | None, str]] = {
     "time": ("s", "time"),
     "truth": ("rad", "noise-free simulated angle"),
@@ -20,26 +20,23 @@ LABELS: dict[str, tuple[str | None, str]] = {
     "norm": ("degrees", "RMS of data minus fit"),
     "residual_norm": ("degrees", "RMS of noisy data minus fit"),
     "error_bound_norm": ("degrees", "RMS of the expanded (95 %) uncertainty of the angle"),
-    "value": (_OF_EACH, "fitted value"),
-    "standard_error": (_OF_EACH, "standard uncertainty of the fitted value"),
-    "random_standard_error": (
-        _OF_EACH,
-        "its random part: noise and what the model misses, with their colour",
-    ),
-    "systematic_standard_error": (_OF_EACH, "its systematic part: calibration and clock"),
+    "value": (_EACH, "fitted value"),
+    "standard_error": (_EACH, "standard uncertainty of the fitted value"),
+    "random_standard_error": (_EACH, "its random part: noise and what the model misses, with their colour"),
+    "systematic_standard_error": (_EACH, "its systematic part: calibration and clock"),
     "coverage_factor": (
         "1",
         "k of an interval value ± k standard uncertainties that holds the value with 95 %",
     ),
-    "systematic": (_OF_EACH, "what a standard uncertainty of a source does to the fitted value"),
-    "nuisance_value": (_OF_EACH, "fitted value of what the measurement leaves open"),
-    "nuisance_standard_error": (_OF_EACH, "its standard uncertainty after the fit"),
+    "systematic": (_EACH, "what a standard uncertainty of a source does to the fitted value"),
+    "nuisance_value": (_EACH, "fitted value of what the measurement leaves open"),
+    "nuisance_standard_error": (_EACH, "its standard uncertainty after the fit"),
     "zero": ("rad", "reading at rest, as fitted, where the measurement leaves it open"),
     "zero_u": ("rad", "its standard uncertainty"),
-    "nuisance_prior": (_OF_EACH, "its standard uncertainty before the fit, about zero"),
+    "nuisance_prior": (_EACH, "its standard uncertainty before the fit, about zero"),
     "correlation": ("1", "correlation of two fitted values"),
     "covariance": (
-        _OF_EACH,
+        _EACH,
         "covariance of two fitted values, in their units, the wider of both kinds of standard error",
     ),
     "largest_angle": ("rad", "largest fitted angle"),
@@ -48,8 +45,8 @@ LABELS: dict[str, tuple[str | None, str]] = {
         "RMS of data minus fit that stands for the evidence with free courses beside the law",
     ),
     "evidence_inflation": ("1", "variance_inflation of what the free courses leave"),
-    "course_shift": (_OF_EACH, "what the free courses change of values, and of logarithms of quantities"),
-    "course_covariance": (_OF_EACH, "covariance of these with the free courses beside the law"),
+    "course_shift": (_EACH, "what the free courses change of values, and of logarithms of quantities"),
+    "course_covariance": (_EACH, "covariance of these with the free courses beside the law"),
     "condition_number": ("1", "condition number of the correlation matrix of all free values"),
     "release_angle": ("rad", "fitted angle at the first sample"),
     "release_velocity": ("rad/s", "fitted angular velocity at the first sample"),
@@ -98,7 +95,7 @@ def labelled(dataset: xr.Dataset, **long_names: str) -> xr.Dataset:
         if text:
             one.attrs["long_name"] = long_names.get(name, text) + (f" ({METHODS[prefix]})" if prefix else "")
         if units:
-            one.attrs |= {"units": "1", "comment": units} if units == _OF_EACH else {"units": units}
+            one.attrs |= {"units": "1", "comment": units} if units == _EACH else {"units": units}
         if name.removeprefix(prefix) == "value":
             errors = [f"{prefix}{kind}standard_error" for kind in ("", "random_", "systematic_")]
             one.attrs["ancillary_variables"] = " ".join(error for error in errors if error in dataset)

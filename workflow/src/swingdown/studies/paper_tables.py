@@ -3,8 +3,7 @@
 Norms are in degrees. The paper's printed numbers stand beside the computed ones (``resources/paper``).
 """
 
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 import pandas as pd
@@ -44,8 +43,13 @@ def table2(norms: xr.Dataset, published: pd.DataFrame) -> pd.DataFrame:
     printed = published.set_index(["simulated", "fitted"])
     computed = [(s, f) for s in norms["simulated"].values for f in norms["fitted"].values]
     cells = [cell for cell in printed.index if cell in computed] or computed
-    note = _settings_note(norms.attrs, norms.sizes["realization"])
-    rows = []
+    settings, count = norms.attrs, norms.sizes["realization"]
+    unlike = [key for key, usual in PAPER.items() if key in settings and settings[key] != usual]
+    changed = [f"{key} {settings[key]}" for key in unlike] + (
+        [f"{count} realisations"] if count != 10 else []
+    )
+    other = f" Other settings than for the published table: {', '.join(changed)}." if changed else ""
+    note, rows = settings.get("inferred", "") + other, []
     for simulated, fitted in cells:
         chosen = norms.sel(simulated=simulated, fitted=fitted)
         mean, std, n = statistics(chosen["norm"].values)
@@ -58,15 +62,6 @@ def table2(norms: xr.Dataset, published: pd.DataFrame) -> pd.DataFrame:
             "standard_error_of_std": std / np.sqrt(2 * (n - 1)) if n > 1 else np.nan, "unit": "degrees", "note": note,
         })  # fmt: skip
     return pd.DataFrame(rows)
-
-
-def _settings_note(settings: Mapping[str, Any], count: int) -> str:
-    changed = [
-        f"{key} {settings[key]}" for key, usual in PAPER.items() if key in settings and settings[key] != usual
-    ]
-    changed += [f"{count} realisations"] if count != 10 else []
-    other = f" Other settings than for the published table: {', '.join(changed)}." if changed else ""
-    return settings.get("inferred", "") + other
 
 
 def table3(norms: xr.Dataset, published: pd.DataFrame) -> pd.DataFrame:

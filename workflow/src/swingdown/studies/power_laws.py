@@ -21,15 +21,7 @@ _TWO = 0.9545  # what a normal distribution holds inside two standard deviations
 
 @dataclass(frozen=True)
 class Scatter:
-    """How points scatter about a law.
-
-    Attributes
-    ----------
-    chi2
-        Chi² by the stated errors.
-    dof
-        Its degrees of freedom.
-    """
+    """How points scatter about a law: chi² by the stated errors, and its degrees of freedom (``dof``)."""
 
     chi2: float
     dof: int
@@ -79,14 +71,8 @@ def settled(
 
     Where points scatter farther than they state, each y gets a further error in proportion to ``share`` so that chi² is its
     expectation (Paule and Mandel 1982): what differs between recordings, the best known has as well as the others. The points
-    do not tell whether their errors are all too small alike instead (Birge): the covariance is the larger one.
-
-    Parameters
-    ----------
-    x, y, u_x, u_y
-        Points and their standard errors, of shape (point,).
-    share
-        Of each y, the unit of the further error, of shape (point,).
+    do not tell whether their errors are all too small alike instead (Birge): the covariance is the larger one. All arguments are of shape
+    (point,): points and their standard errors, and of each y the unit of the further error.
     """
     line = fit_line(x, y, u_x, u_y)
     scatter = Scatter(line.chi2, line.dof)
@@ -249,14 +235,9 @@ def _with_offset(x: Floats, y: Floats, u_x: Floats, u_y: Floats, theory: float, 
 
 
 class ShiftedLaw(NamedTuple):
-    """A power law of values that may all be off by one amount, y = factor ((x + short) / at)^exponent.
+    """A power law of values that may all be off by one amount, y = factor ((x + short) / at)^exponent, as the points say it.
 
-    Attributes
-    ----------
-    exponent, u_exponent
-        With the standard uncertainty, widened where the points scatter; NaN for fewer than four points.
-    factor, at, short
-        The law's others, as the points say them.
+    ``u_exponent`` is the standard uncertainty, widened where the points scatter. NaN for fewer than four points.
     """
 
     exponent: float = float("nan")

@@ -87,9 +87,8 @@ def _scale_of(swings: Sequence[Swing], restoring: str, reading: str, stated: boo
         left = other.rms / factor
         better, by = (other, factor) if left < given.rms else (given, 1.0)
         inflation = uncertainty(better, _scaled(swings, by)).inflation
-        samples = (
-            better.n / max(1.0, inflation) if np.isfinite(inflation) else 0.0
-        )  # that count as independent
+        # those that count as independent
+        samples = better.n / max(1.0, inflation) if np.isfinite(inflation) else 0.0
         evidence = 2 * samples * log(given.rms / left)
         told |= factor < 1 and abs(evidence) > _CLEAR**2
         less = left if factor < 1 else less

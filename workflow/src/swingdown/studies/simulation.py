@@ -103,18 +103,8 @@ def simulation_norms(
     ``norm`` (degrees) is the RMS of fit minus noise-free truth, ``residual_norm`` that of noisy data minus fit. Plain names are of
     the paper's Nelder-Mead, those with the prefix ``least_squares_`` of trajectory least squares.
 
-    Parameters
-    ----------
-    realizations
-        As the function of that name returns it.
-    simulated
-        One of its models.
-    fitted
-        Labels of the models to fit.
-    start
-        ``rest`` or ``free``.
-    own
-        The settings' key ``effects``.
+    ``realizations`` is as the function of that name returns it, ``simulated`` one of its models; ``fitted`` are labels of the models to fit,
+    ``start`` is ``rest`` or ``free``, and ``own`` the settings' key ``effects``.
     """
     if simulated not in realizations["simulated"].values:
         known = ", ".join(realizations["simulated"].values)

@@ -27,16 +27,9 @@ class Timed(NamedTuple):
 def timed(times: Floats, series: Floats, curve: Floats | None = None) -> tuple[Timed, Timed] | None:
     """The first and the last swings of a recording, each timed together as with a stop-watch; None where fewer than two whole ones are seen.
 
-    Parameters
-    ----------
-    times
-        In s, of shape (sample,).
-    series
-        The swing as recorded, of shape (sample,).
-    curve
-        The fitted swing, of shape (sample,). It tells when the middle is passed. Where passages of the recording run away from these, they
-        tell the mean. None where no model follows the swing: then each passage of the recording counts, so that one at an end that noise
-        moved matters less. Passages that a hole hides are counted by the time between the others.
+    The times (s), the ``series`` as recorded and the fitted ``curve`` are of shape (sample,). The curve tells when the middle is passed. Where
+    passages of the recording run away from these, they tell the mean. None where no model follows the swing: then each passage of the
+    recording counts, so that one at an end that noise moved matters less. Passages that a hole hides are counted by the time between the others.
     """
     swings = half_swings(course := series if curve is None else curve)
     passed, halves = counted_passages(times, course, HIDES)

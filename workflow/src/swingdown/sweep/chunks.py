@@ -20,15 +20,8 @@ MOST_JOBS = 2000  # beyond that the workflow's own time and the file system are 
 
 @dataclass(frozen=True)
 class Chunk:
-    """One job of a sweep.
-
-    Attributes
-    ----------
-    computes, settings, keys
-        What is computed, the settings that its cells share, the axes' keys.
-    parts
-        A cell's values, first draw and number of draws, each.
-    """
+    """One job of a sweep: what it ``computes``, the ``settings`` that its cells share, the axes' ``keys``, and its ``parts``, of which each is a
+    cell's values, its first draw and the number of draws."""
 
     computes: str
     settings: dict
@@ -60,18 +53,10 @@ class Chunk:
 
 @dataclass(frozen=True)
 class Dealt:
-    """What a sweep needs.
+    """What a sweep needs: its ``chunks`` by name, and their ``files``' names without the ending.
 
-    Attributes
-    ----------
-    chunks
-        By name.
-    files
-        Their files' names without the ending.
-    new, missing
-        Those new in the book, and those not computed.
-    outdated
-        Names of chunks whose results other code computed, by the version of that code.
+    ``new`` are those new in the book, ``missing`` those not computed, and ``outdated`` has the version of the code by the names of chunks
+    whose results other code computed.
     """
 
     chunks: dict

@@ -37,17 +37,8 @@ _TAKEN = ("fitted", "realization", "cell")  # names of dimensions that every res
 
 @dataclass(frozen=True)
 class Axis:
-    """One axis of a sweep.
-
-    Attributes
-    ----------
-    key, dim
-        Its key in the config, and the name of its dimension.
-    values, units, long_name
-        Its values, their unit, and its name in words.
-    coupled
-        Axes of other keys, as long, that change together with it.
-    """
+    """One axis of a sweep: its ``key`` in the config, the name of its dimension (``dim``), its ``values``, their ``units``, and its name in words
+    (``long_name``); ``coupled`` are axes of other keys, as long, that change together with it."""
 
     key: str
     dim: str
@@ -84,22 +75,9 @@ class Axis:
 
 @dataclass(frozen=True)
 class Sweep:
-    """A named table of cells.
+    """A named table of cells: what it ``computes``, its ``axes``, and the other ``settings`` of every cell, by key.
 
-    Attributes
-    ----------
-    name, computes
-        Its name, and what is computed.
-    axes
-        Its axes.
-    settings
-        The other settings of every cell, by key.
-    realizations
-        Draws of every cell.
-    chunk
-        The most draws in one job.
-    format
-        ``netcdf`` or ``zarr``.
+    ``realizations`` are the draws of every cell, ``chunk`` the most draws in one job; ``format`` is ``netcdf`` or ``zarr``.
     """
 
     name: str
