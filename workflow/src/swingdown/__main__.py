@@ -47,14 +47,12 @@ class _Parser(argparse.ArgumentParser):
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
         found, more = super().parse_known_args(args, namespace)
         if more:
-            self.error(f"unrecognized arguments: {' '.join(more)}{self._meant(more)}")
+            known = list(self._option_string_actions)
+            near = [difflib.get_close_matches(one.split("=")[0], known, 1) for one in more]
+            names = ", ".join(name for each in near for name in each)
+            meant = f"; did you mean {names}?" if names else ""
+            self.error(f"unrecognized arguments: {' '.join(more)}{meant}")
         return found, more
-
-    def _meant(self, given: Sequence[str]) -> str:
-        known = list(self._option_string_actions)
-        near = [difflib.get_close_matches(one.split("=")[0], known, 1) for one in given]
-        meant = [name for names in near for name in names]
-        return f"; did you mean {', '.join(meant)}?" if meant else ""
 
     def error(self, message: str) -> NoReturn:
         self.exit(2, f"{self.prog}: {message}\n(swingdown --help lists all options)\n")
@@ -194,7 +192,10 @@ def _main(given: Sequence[str]) -> int:
     if not options.given:
         parser.error("the following arguments are required: FILE")
     with console.job():
-        _check_command(options.given)
+        meant = difflib.get_close_matches(options.given[0], COMMANDS, 1)
+        if meant and not Path(options.given[0]).exists():  # no file, and nearly a command
+            mend = f"did you mean swingdown {meant[0]}?"
+            raise InputError(options.given[0], "there is no such file", "a file or a folder of files", mend)
     handed_in = tuple(kind for kind in ("pdf", "latex", "xlsx") if getattr(options, kind))
     if _is_config(Path(options.given[0])):
         from .answer.study import study
@@ -227,14 +228,6 @@ def _is_config(path: Path) -> bool:
     with path.open(encoding="utf-8", errors="replace") as file:
         first = next((line for line in file if line.strip() and not line.startswith(("#", "---"))), "")
     return not first or bool(re.match(r"""\s*[{"']{0,2}[A-Za-z_]\w*["']?\s*:""", first))
-
-
-def _check_command(given: Sequence[str]) -> None:
-    """None, or InputError for a word that is no file, and nearly a command."""
-    meant = difflib.get_close_matches(given[0], COMMANDS, 1)
-    if meant and not Path(given[0]).exists():
-        mend = f"did you mean swingdown {meant[0]}?"
-        raise InputError(given[0], "there is no such file", "a file or a folder of files", mend)
 
 
 if __name__ == "__main__":

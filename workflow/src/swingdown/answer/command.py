@@ -258,11 +258,9 @@ def _read(
             name = path.name + (label.removeprefix(row.get("label", row["recording"])) if label else "")
             if isinstance(found, own.Refused):
                 if hand_table(path):
-                    found = found._replace(
-                        problem="it is a table of times that were taken by hand, not a recording",
-                        expected="recordings side by side, or such a table alone",
-                        mend=f"swingdown {path.name}",
-                    )
+                    problem = "it is a table of times that were taken by hand, not a recording"
+                    expected = "recordings side by side, or such a table alone"
+                    found = found._replace(problem=problem, expected=expected, mend=f"swingdown {path.name}")
                 elif may_be_times(path):
                     found = found._replace(mend=f"{found.mend}; {OF_TIMES}")
                 left_out.append(found)

@@ -133,9 +133,9 @@ def curves(
     variables |= _single(swings, scale)
     coordinates = {
         "source": ("source", list(SOURCES)),
-        "amplitude": ("amplitude", amplitude * scale, {"units": unit, "long_name": "amplitude"}),
-        "angle": ("angle", angle, {"units": "rad", "long_name": "angle from the middle"}),
-        "speed": ("speed", speed, {"units": "rad/s", "long_name": "speed"}),
+        "amplitude": variable("amplitude", amplitude * scale, "amplitude", unit),
+        "angle": variable("angle", angle, "angle from the middle", "rad"),
+        "speed": variable("speed", speed, "speed", "rad/s"),
     }
     emulated = any(str(one.attrs.get("emulated", "no")) == "yes" for one in angles)
     attrs = {

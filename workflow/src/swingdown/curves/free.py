@@ -10,7 +10,7 @@ from ..arrays import Floats
 from ..errors import InputError
 from ..studies.amplitudes import HalfSwings
 from .regression import Banded, Design, Posterior, Prior, regression
-from .second_order import Beyond, Course, Early, Table
+from .second_order import Course, Early, Table, beyond_of, none_beyond
 from .torques import Basis, Ideal, beyond_durations, durations, friction, losses, stiffness
 
 FEWEST = 8  # half-swings
@@ -37,7 +37,7 @@ class Free:
     stiffness: Basis
     loss: Posterior
     period: Posterior | None
-    beyond: Beyond
+    beyond: Table
     passages: bool
     scale: float
     courses: tuple[Course, ...]
@@ -49,7 +49,7 @@ class Free:
     def loss_at(self, amplitude: Floats) -> Banded:
         """What a half-swing takes from the logarithm of the amplitude (rad)."""
         value, u, factor = self.loss.band(losses(self.ideal, self.friction, amplitude))
-        return value + self.beyond.table.at(amplitude)[:, 0], u, factor
+        return value + self.beyond.at(amplitude)[:, 0], u, factor
 
     def period_at(self, amplitude: Floats) -> Banded:
         """The period (s) at these amplitudes (rad); nan where nothing is timed."""
@@ -58,7 +58,7 @@ class Free:
         rows = durations(self.ideal, self.stiffness, amplitude)
         share, u, factor = self.period.band(rows, self.period_off(amplitude))
         usual = 2 * np.pi / self.scale * self.ideal.lengthening(amplitude)
-        share = share + self.beyond.table.at(amplitude)[:, 2 if self.passages else 1]
+        share = share + self.beyond.at(amplitude)[:, 2 if self.passages else 1]
         told = self.period.mean[: rows.shape[1]]
         share = share + beyond_durations(self.ideal, self.stiffness, told, amplitude)
         return usual * (1 + share), usual * u, factor
@@ -87,7 +87,7 @@ class Free:
         # where in a swing friction acts matters to the period as the square of the loss
         inside = np.clip(angle, self.low, self.high)
         loss = self.loss_at(inside)[0]
-        more, own = self.early.stiffer(loss, self.beyond.table.at(inside)[:, 3])
+        more, own = self.early.stiffer(loss, self.beyond.at(inside)[:, 3])
         off = np.hypot(own, self.restoring_off(angle))
         share, u, factor = self.period.band(self.stiffness.at(angle), off)
         return usual * (1 + share + more), usual * u, factor
@@ -114,23 +114,23 @@ def free(swings: Sequence[HalfSwings], restoring: str = "sine") -> Free:
         raise InputError(where, problem, f"at least {FEWEST}", "record longer")
     ideal = Ideal(restoring if all(one.scaled for one in swings) else "linear")
     courses = [_first_course(one) for one in swings]
-    before: Beyond | None = None
+    before: Table | None = None
     for _ in range(_ROUNDS):
         every = np.concatenate([one.amplitude for one in courses])
         low, high = float(every.min()), float(every.max())
         table = np.geomspace(low * 0.98, _beyond(high, ideal, swings[0].recording), _TABLE)
         basis = friction(ideal, every)
-        rows = losses(ideal, basis, table)
-        beyond = Beyond.none(table) if before is None else before
+        unknown = Table(table, losses(ideal, basis, table))
+        beyond = none_beyond(table) if before is None else before
         prior = Prior.enough(len(basis.powers), basis.nodes, typical_of(courses), LEAST_LOSS)
-        loss = of_losses(swings, courses, beyond.table, Table(table, rows), prior)
-        before = beyond = Beyond.of(ideal, basis, loss, table)
-        courses = _courses(swings, courses, Table(table, rows), beyond, loss)
-    errors = _course_errors(swings, courses, Table(table, rows), loss)
+        loss = of_losses(swings, courses, beyond, unknown, prior)
+        before = beyond = beyond_of(ideal, basis, loss, table)
+        courses = _courses(swings, courses, unknown, beyond, loss)
+    errors = _course_errors(swings, courses, unknown, loss)
     shape = stiffness(every)
     scale, period = _period(swings, courses, ideal, beyond, shape, table)
     passages = all(one.passages for one in swings)
-    early = _early(swings, Table(table, rows), beyond, loss, scale)
+    early = _early(swings, unknown, beyond, loss, scale)
     told = loss, period, beyond, passages, scale
     return Free(tuple(swings), ideal, basis, shape, *told, tuple(courses), errors, low, high, early)
 
@@ -217,7 +217,7 @@ def _twice(observed: _Each, error: _Each, summed: _Each, own: _Each, prior: Prio
 
 
 def _courses(
-    swings: Sequence[HalfSwings], courses: Sequence[Course], table: Table, beyond: Beyond, loss: Posterior
+    swings: Sequence[HalfSwings], courses: Sequence[Course], table: Table, beyond: Table, loss: Posterior
 ) -> list[Course]:
     """The courses as the regression smooths them."""
     size_of = table.rows.shape[1]
@@ -225,7 +225,7 @@ def _courses(
     for one, course in zip(swings, courses, strict=True):
         begin = loss.mean[place]
         place += 3 if one.both else 1
-        lost = table.summed(course) @ loss.mean[:size_of] + beyond.table.summed(course)[:, 0]
+        lost = table.summed(course) @ loss.mean[:size_of] + beyond.summed(course)[:, 0]
         amplitude = np.exp(begin - lost)
         size = np.abs(one.angle)
         found.append(Course(course.number, np.clip(amplitude, 0.5 * size.min(), 1.5 * size.max())))
@@ -250,7 +250,7 @@ def _period(
     swings: Sequence[HalfSwings],
     courses: Sequence[Course],
     ideal: Ideal,
-    beyond: Beyond,
+    beyond: Table,
     shape: Basis,
     amplitude: Floats,
 ) -> tuple[float, Posterior | None]:
@@ -278,9 +278,7 @@ def timed_of(swings: Sequence[HalfSwings], courses: Sequence[Course]) -> list[tu
     return [(one, course) for one, course in timed if one.mark.size >= _FEWEST_MARKS]
 
 
-def _early(
-    swings: Sequence[HalfSwings], table: Table, beyond: Beyond, loss: Posterior, scale: float
-) -> Early:
+def _early(swings: Sequence[HalfSwings], table: Table, beyond: Table, loss: Posterior, scale: float) -> Early:
     """How early turning points are."""
     found = []
     for one in swings:
@@ -291,9 +289,9 @@ def _early(
         number, size = one.number[kept], np.abs(one.angle[kept])
         ends = [one.mark[np.searchsorted(one.at, number + side)] for side in (-0.5, 0.5)]
         lead = scale * ((ends[0] + ends[1]) / 2 - one.times[kept])
-        lost = table.at(size) @ loss.mean[: table.rows.shape[1]] + beyond.table.at(size)[:, 0]
+        lost = table.at(size) @ loss.mean[: table.rows.shape[1]] + beyond.at(size)[:, 0]
         # the time of a turning point is known in proportion to its amplitude
-        found.append(size * np.vstack([lead - beyond.table.at(size)[:, 4], lost]))
+        found.append(size * np.vstack([lead - beyond.at(size)[:, 4], lost]))
     lead, lost = np.hstack(found) if found else np.zeros((2, 0))
     power = float(lost @ lost)
     if lead.size < _FEWEST_MARKS or not power > 0:
@@ -314,10 +312,10 @@ def marked(one: HalfSwings, course: Course, table: Table) -> Floats:
     return _summed(one, table.at(_midway(one, course)))
 
 
-def _ideal_marks(one: HalfSwings, course: Course, ideal: Ideal, beyond: Beyond) -> Floats:
+def _ideal_marks(one: HalfSwings, course: Course, ideal: Ideal, beyond: Table) -> Floats:
     """The time of each mark after the first, times the frequency of small swings, under the ideal torque and the friction that is known."""
     size = _midway(one, course)
-    each = np.pi * ideal.lengthening(size) * (1 + beyond.table.at(size)[:, 2 if one.passages else 1])
+    each = np.pi * ideal.lengthening(size) * (1 + beyond.at(size)[:, 2 if one.passages else 1])
     return _summed(one, each[:, np.newaxis])[:, 0]
 
 

@@ -56,7 +56,7 @@ def with_discrepancy(
     """
     grid = np.geomspace(found.low, found.high, _GRID)
     inverse, spread = _friction_of(found, grid)
-    beyond = found.beyond.table.at(grid)[:, 0]
+    beyond = found.beyond.at(grid)[:, 0]
     fast = found.friction.at(speed / found.scale) * found.scale**2
 
     def elsewhere(one: Model, loss: Floats) -> Floats:

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from scipy.special import jv
 
 from ..arrays import Floats
+from ..dataset import variable
 from ..errors import InputError
 
 KINDS = ("torque", "pivot")
@@ -72,11 +73,8 @@ def resonance(curves: xr.Dataset, drive: ArrayLike | None = None, kind: str = "t
         )  # fmt: skip
     found = [[each[source].driven(one) for source in sources] for one in drives]
     whole = xr.combine_nested(found, ["drive", "source"], combine_attrs="drop")
-    whole = whole.assign_coords(
-        drive=("drive", drives, {"units": "rad/s^2", "long_name": "amplitude of the drive"}),
-        source=sources,
-        side=list(SIDES),
-    )
+    along = variable("drive", drives, "amplitude of the drive", "rad/s^2")
+    whole = whole.assign_coords(drive=along, source=sources, side=list(SIDES))
     for name, unit, words in _VARIABLES:
         whole[name].attrs = {"units": unit, "long_name": words}
     about = {key: curves.attrs[key] for key in ("campaign", "emulated", "restoring", "model")}

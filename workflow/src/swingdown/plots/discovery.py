@@ -58,10 +58,9 @@ def residuals(first: xr.Dataset, last: xr.Dataset) -> Figure:
 
 
 def _residual(data: xr.Dataset, k: int) -> tuple[Floats, Floats]:
-    rows = data["swing"].values == k
-    time = data["time"].values[rows]
-    read = series_of(data)
-    return time - time[0], shown_in(read.values[rows] - data["fit"].values[rows], read.attrs["units"])[0]
+    rows, read = data["swing"].values == k, series_of(data)
+    time, left = data["time"].values[rows], read.values[rows] - data["fit"].values[rows]
+    return time - time[0], shown_in(left, read.attrs["units"])[0]
 
 
 def _worst(data: xr.Dataset, held: bool) -> int | None:

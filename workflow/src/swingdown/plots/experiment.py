@@ -54,8 +54,7 @@ def fit_of(label: str, fits: xr.Dataset, angles: xr.Dataset, remark: str = "") -
     figure = style.new_figure(12)
     grid = figure.add_gridspec(3, 2, height_ratios=(1.1, 1.25, 0.95))
     whole, strip = figure.add_subplot(grid[0, :]), figure.add_subplot(grid[2, :])
-    early = figure.add_subplot(grid[1, 0])
-    late = figure.add_subplot(grid[1, 1])
+    early, late = figure.add_subplot(grid[1, 0]), figure.add_subplot(grid[1, 1])
     shown = min(EARLY_AND_LATE, 0.4 * time[-1])
     for axes in (whole, early, late):
         # each sample is a ring that the fit's line goes through, or misses; a band would hide both

@@ -133,9 +133,8 @@ def _of_points(data: xr.Dataset, name: str) -> HalfSwings:
     turns = turns_of(data)
     size = turns.angles.size
     if size < 5:
-        raise InputError(
-            f"recording {name}", f"{size} turning points", "at least five", "write down more of them"
-        )
+        told = f"{size} turning points", "at least five", "write down more of them"
+        raise InputError(f"recording {name}", *told)
     even = turns.halves.astype(float)
     u_angle = turns.u_angles if np.isfinite(turns.u_angles) else max(turns.angle_step / np.sqrt(12), 1e-3 * np.abs(turns.angles).max())  # fmt: skip
     timed = about["points"] != COUNTED

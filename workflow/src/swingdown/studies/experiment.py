@@ -139,9 +139,8 @@ def fit_campaign(
     for why in sharing(angles)[1].values():
         raise why
     if not angles:
-        raise InputError(
-            "campaign", "there is no swing to fit", "at least one", "add swings to the sample sheet"
-        )
+        mend = "add swings to the sample sheet"
+        raise InputError("campaign", "there is no swing to fit", "at least one", mend)
     angles = in_one_step(angles)
     swings = [_swing(angle) for angle in angles]
     pairs = zip(angles, swings, strict=True)

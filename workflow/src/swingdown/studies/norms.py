@@ -103,7 +103,7 @@ def labelled(dataset: xr.Dataset, **long_names: str) -> xr.Dataset:
 
 
 def model_coords(fitted: Iterable[Model | str]) -> dict[str, Labelled]:
-    """Tolds for datasets over models and parameters: ``fitted`` with symbols, ``parameter`` with units.
+    """Coordinates for datasets over models and parameters: ``fitted`` with symbols, ``parameter`` with units.
 
     ``parameter`` holds the parameters of all models together, the natural frequency first, in the catalogue's order.
     """

@@ -42,14 +42,11 @@ class Scatter:
         return self.p < BEYOND
 
     @property
-    def few(self) -> float:
-        """Student's factor for so few points where their scatter alone tells the uncertainty, so that two standard ones hold 95 %."""
-        return _student(self.dof) if self.refuted else 1.0
-
-    @property
     def widening(self) -> float:
-        """What standard uncertainties are multiplied by: the Birge ratio above 1, and ``few``."""
-        return self.birge * self.few if self.dof and self.birge > 1 else 1.0
+        """What standard uncertainties are multiplied by: the Birge ratio above 1; and Student's factor where the scatter alone tells them."""
+        if not (self.dof and self.birge > 1):
+            return 1.0
+        return self.birge * (_student(self.dof) if self.refuted else 1.0)
 
     @property
     def sentence(self) -> str:

@@ -153,14 +153,11 @@ class _Identified(_Cell):
         self._sum += np.nansum(norm, axis=0)
         self._finite += np.isfinite(norm).sum(axis=0)
         self._converged += (block["converged"] > 0).sum(axis=0)
-        if self._four:
-            self._feed_sets(norm[:, self._four])
-
-    def _feed_sets(self, four):
-        """The paper's comparison counted: three single terms and the pair without the true one, by the mean norm of ten runs."""
-        means = four[: len(four) // TEN * TEN].reshape(-1, TEN, 4).mean(axis=1)
-        self._sets += int(np.isfinite(means).any(axis=1).sum())
-        self._best += int(_lowest(means)[self._true])
+        if self._four:  # the paper's comparison: three single terms and the pair without the true one, by the mean norm of ten runs
+            sets = norm[: len(norm) // TEN * TEN, self._four]
+            means = sets.reshape(-1, TEN, 4).mean(axis=1)
+            self._sets += int(np.isfinite(means).any(axis=1).sum())
+            self._best += int(_lowest(means)[self._true])
 
     def told(self):
         n = self.made or math.nan

@@ -112,10 +112,8 @@ def _effects(
 
 def _of_verdict(campaign: str, table: Table) -> Table:
     """The table with what all have whose numbers stand in a campaign's verdict."""
-    link = f"discovery/{campaign}/verdict.json"
-    return replace(
-        table, label=f"{table.label}, {campaign}", link=link, rule="discover_verdict", of=(campaign,)
-    )
+    label, link = f"{table.label}, {campaign}", f"discovery/{campaign}/verdict.json"
+    return replace(table, label=label, link=link, rule="discover_verdict", of=(campaign,))
 
 
 def _percent(share: float | None) -> str:
