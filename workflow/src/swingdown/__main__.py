@@ -29,10 +29,8 @@ def verify_results(results: str) -> int:
         for path in paths:
             print(printable(f"{kind}: {path}"))
     if any(differences.values()):
-        print(
-            ", ".join(f"{len(paths)} {kind}" for kind, paths in differences.items() if paths)
-            + f"; {count} files are listed"
-        )
+        each = ", ".join(f"{len(paths)} {kind}" for kind, paths in differences.items() if paths)
+        print(f"{each}; {count} files are listed")
         if differences["missing"] or differences["changed"]:
             print("Mend: delete what was changed, and give the study's command again")
         return 1
@@ -49,14 +47,12 @@ class _Parser(argparse.ArgumentParser):
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
         found, more = super().parse_known_args(args, namespace)
         if more:
-            self.error(f"unrecognized arguments: {' '.join(more)}{self._meant(more)}")
+            known = list(self._option_string_actions)
+            near = [difflib.get_close_matches(one.split("=")[0], known, 1) for one in more]
+            names = ", ".join(name for each in near for name in each)
+            meant = f"; did you mean {names}?" if names else ""
+            self.error(f"unrecognized arguments: {' '.join(more)}{meant}")
         return found, more
-
-    def _meant(self, given: Sequence[str]) -> str:
-        known = list(self._option_string_actions)
-        near = [difflib.get_close_matches(one.split("=")[0], known, 1) for one in given]
-        meant = [name for names in near for name in names]
-        return f"; did you mean {', '.join(meant)}?" if meant else ""
 
     def error(self, message: str) -> NoReturn:
         self.exit(2, f"{self.prog}: {message}\n(swingdown --help lists all options)\n")
@@ -70,9 +66,8 @@ def _among(choices: Sequence[str]) -> Callable[[str], str]:
             return text
         near = difflib.get_close_matches(text, choices, 1, 0.4)
         meant = f"; did you mean {near[0]}?" if near else ""
-        raise argparse.ArgumentTypeError(
-            f"invalid choice: {text!r} (choose from {', '.join(choices)}){meant}"
-        )
+        known = ", ".join(choices)
+        raise argparse.ArgumentTypeError(f"invalid choice: {text!r} (choose from {known}){meant}")
 
     return chosen
 
@@ -93,9 +88,8 @@ def _parser() -> argparse.ArgumentParser:
         description="From recordings of a swinging pendulum to its period, its damping, and what a model of it still lacks. "
         "A config file is run as a study; `verify` compares a study's files with its manifest.",
     )
-    parser._negative_number_matcher = re.compile(
-        r"-\.?\d"
-    )  # a length that is refused, as -20cm, is no option
+    # a length that is refused, as -20cm, is no option
+    parser._negative_number_matcher = re.compile(r"-\.?\d")
     add = parser.add_argument
 
     def flag(name: str, told: str) -> None:
@@ -127,11 +121,8 @@ def _parser() -> argparse.ArgumentParser:
     number("--counts-per-revolution", "N", "counts of an encoder for a turn")
     told = "degrees for one unit of raw readings or volts; or two readings at known angles: 512=0,700=30"
     text("--scale", "DEG", told)
-    number(
-        "--zero-tolerance",
-        "RAD",
-        "how far the zero of an angle may be off, in rad (default: 0.1, and the swings tell it)",
-    )
+    told = "how far the zero of an angle may be off, in rad (default: 0.1, and the swings tell it)"
+    number("--zero-tolerance", "RAD", told)
     told = (
         "distance from the pivot to the middle of the bob: 0.583±0.001 (m), 58.3(1)cm. It gives g, and the angle if one coordinate "
         "was recorded (350px)"
@@ -201,7 +192,10 @@ def _main(given: Sequence[str]) -> int:
     if not options.given:
         parser.error("the following arguments are required: FILE")
     with console.job():
-        _check_command(options.given)
+        meant = difflib.get_close_matches(options.given[0], COMMANDS, 1)
+        if meant and not Path(options.given[0]).exists():  # no file, and nearly a command
+            mend = f"did you mean swingdown {meant[0]}?"
+            raise InputError(options.given[0], "there is no such file", "a file or a folder of files", mend)
     handed_in = tuple(kind for kind in ("pdf", "latex", "xlsx") if getattr(options, kind))
     if _is_config(Path(options.given[0])):
         from .answer.study import study
@@ -234,16 +228,6 @@ def _is_config(path: Path) -> bool:
     with path.open(encoding="utf-8", errors="replace") as file:
         first = next((line for line in file if line.strip() and not line.startswith(("#", "---"))), "")
     return not first or bool(re.match(r"""\s*[{"']{0,2}[A-Za-z_]\w*["']?\s*:""", first))
-
-
-def _check_command(given: Sequence[str]) -> None:
-    """None, or InputError for a word that is no file, and nearly a command."""
-    first = given[0]
-    if difflib.get_close_matches(first, COMMANDS, 1) and not Path(first).exists():
-        meant = difflib.get_close_matches(first, COMMANDS, 1)[0]
-        raise InputError(
-            first, "there is no such file", "a file or a folder of files", f"did you mean swingdown {meant}?"
-        )
 
 
 if __name__ == "__main__":

@@ -76,10 +76,8 @@ class Shown(NamedTuple):
     @staticmethod
     def by_recording(shown: "Sequence[Shown]") -> "dict[str, list[Shown]]":
         """The swings of each recording, in the order in which these come."""
-        return {
-            name: [one for one in shown if one.recording == name]
-            for name in dict.fromkeys(one.recording for one in shown)
-        }
+        names = dict.fromkeys(one.recording for one in shown)
+        return {name: [one for one in shown if one.recording == name] for name in names}
 
 
 def finite_or_none(value: float | None) -> float | None:

@@ -39,23 +39,8 @@ def write(dataset: xr.Dataset, path: str | Path, replace: bool = True) -> Path:
     file has a seal as well (``sealed.seal_behind``). What the CF Conventions ask of every file (title, history without a date,
     source, a name for each variable) is added where the dataset does not say it itself.
 
-    Parameters
-    ----------
-    dataset
-        Each float variable has ``units`` and ``long_name``.
-    path
-        The netCDF file. A write that fails leaves nothing behind.
-    replace
-        Whether a file of that name may be replaced.
-
-    Raises
-    ------
-    ValueError
-        If a float variable lacks ``units`` or ``long_name``.
-    Unwritten
-        If the disk is full (ENOSPC); it names the space wanted and free.
-    FileExistsError
-        If there is a file of that name that may not be replaced.
+    A write that fails leaves nothing behind: ValueError if a float variable lacks ``units`` or ``long_name``, Unwritten if the disk is
+    full (ENOSPC), with the space wanted and free, FileExistsError unless it may ``replace`` a file of that name.
     """
     path, netcdf = Path(path), needed("netCDF4")
     if lost := [f"{name}: no {key}" for name, key in _unlabelled(dataset)]:
@@ -75,9 +60,8 @@ def write(dataset: xr.Dataset, path: str | Path, replace: bool = True) -> Path:
     try:
         with written_whole(path, replace) as partial:
             # a dimension of nothing comes back from a file as one without a limit
-            dataset.to_netcdf(
-                partial, engine="netcdf4", format="NETCDF4", encoding=encoding, unlimited_dims=()
-            )
+            form: dict[str, Any] = {"engine": "netcdf4", "format": "NETCDF4", "unlimited_dims": ()}
+            dataset.to_netcdf(partial, encoding=encoding, **form)
             # last of all: a killed writer leaves a file that opens cleanly
             with netcdf.Dataset(partial, "a") as file:
                 file.setncattr(SEALED, "SHA-256 behind the end")
@@ -87,11 +71,9 @@ def write(dataset: xr.Dataset, path: str | Path, replace: bool = True) -> Path:
         free = shutil.disk_usage(path.parent).free
         # netCDF says only "HDF error"
         if getattr(error, "errno", None) == errno.ENOSPC or free < dataset.nbytes:
-            raise Unwritten(
-                errno.ENOSPC,
-                f"the disk is full: {path} needs up to {dataset.nbytes / 1e6:.3g} MB and "
-                f"{free / 1e6:.3g} MB are free. Mend: make room and run again",
-            ) from error
+            needs = f"{path} needs up to {dataset.nbytes / 1e6:.3g} MB and {free / 1e6:.3g} MB are free"
+            told = f"the disk is full: {needs}. Mend: make room and run again"
+            raise Unwritten(errno.ENOSPC, told) from error
         raise
     return path
 
@@ -119,9 +101,8 @@ def read(path: str | Path) -> xr.Dataset:
     with reading(path):
         dataset = xr.load_dataset(path, engine="netcdf4", decode_times=False, decode_timedelta=False)
     if dataset.attrs.get("complete") != 1:
-        raise InputError(
-            path, "it has no completeness mark", "the attribute complete = 1, written last", MAKE_ANEW
-        )
+        expected = "the attribute complete = 1, written last"
+        raise InputError(path, "it has no completeness mark", expected, MAKE_ANEW)
     if lost := [f"{name} has no {key}" for name, key in _unlabelled(dataset) if key == "units"]:
         raise InputError(path, "; ".join(lost), "units on every float variable", MAKE_ANEW)
     dataset.attrs.pop(SEALED, None)
@@ -136,12 +117,8 @@ def _check_sealed(path: str | Path) -> None:
         return
     with needed("netCDF4").Dataset(path) as file:
         if SEALED in file.ncattrs():
-            raise InputError(
-                path,
-                "another program has changed it: the seal behind its end is gone",
-                "the file as it was written",
-                MAKE_ANEW,
-            )
+            problem = "another program has changed it: the seal behind its end is gone"
+            raise InputError(path, problem, "the file as it was written", MAKE_ANEW)
 
 
 def attributes(path: str | Path) -> dict[str, Any]:
@@ -168,9 +145,8 @@ def reading(path: str | Path) -> Iterator[None]:
     except (InputError, MemoryError):
         raise
     except Exception as error:  # a damaged file makes the reader fail in ways that nobody listed
-        raise InputError(
-            path, f"it cannot be read ({error})", "an undamaged netCDF file", MAKE_ANEW
-        ) from error
+        problem = f"it cannot be read ({error})"
+        raise InputError(path, problem, "an undamaged netCDF file", MAKE_ANEW) from error
 
 
 def _unlabelled(dataset: xr.Dataset) -> Iterator[tuple[Hashable, str]]:

@@ -6,13 +6,15 @@ reads it as they say it: as a cell, as an option of the command, or as an argume
 
 import re
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import _GeneratorContextManager, contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, field
+from typing import TypeVar
 
 MAKE_ANEW = "delete it and give the same command again, which makes it anew"  # the mend of a damaged result
 
 
+_T = TypeVar("_T")
 _SETTING = re.compile(r"⟨(in )?(\w+)(?:=([^⟩]*))?⟩")
 
 
@@ -20,14 +22,8 @@ _SETTING = re.compile(r"⟨(in )?(\w+)(?:=([^⟩]*))?⟩")
 class Audience:
     """How those who are told of a setting say it.
 
-    Attributes
-    ----------
-    names
-        What they call a setting, by the name of its cell. Any other is a cell to them, too.
-    inside, pair
-        The patterns of ⟨in NAME⟩ and ⟨NAME=value⟩.
-    quoted
-        Whether values that are no numbers are put in quotes.
+    ``names``: what they call a setting, by the name of its cell; any other is a cell to them, too. ``inside`` and ``pair`` are the patterns
+    of ⟨in NAME⟩ and ⟨NAME=value⟩; values that are no numbers are put in quotes if ``quoted``.
     """
 
     names: Mapping[str, str] = field(default_factory=dict)
@@ -60,13 +56,18 @@ def as_told(text: str) -> str:
 
 
 @contextmanager
-def told_to(audience: Audience) -> Iterator[None]:
-    """A block, or a function, in which refusals and remarks are told to this audience."""
-    before = _TOLD.set(audience)
+def within(variable: ContextVar[_T], value: _T) -> Iterator[None]:
+    """A block, or a function, in which a variable of the context has this value."""
+    before = variable.set(value)
     try:
         yield
     finally:
-        _TOLD.reset(before)
+        variable.reset(before)
+
+
+def told_to(audience: Audience) -> "_GeneratorContextManager[None]":
+    """A block, or a function, in which refusals and remarks are told to this audience."""
+    return within(_TOLD, audience)
 
 
 class Refusal(Exception):

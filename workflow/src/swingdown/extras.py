@@ -43,9 +43,6 @@ def needed(module: str) -> Any:
 def lacking(package: str) -> PackageError:
     """The refusal of what needs a package of an extra that is not installed."""
     extra, use = EXTRAS[package]
-    return PackageError(
-        f"package {package}",
-        f"{use} needs the package {package}, which is not installed",
-        f"swingdown with its extra `{extra}`",
-        f"pip install 'swingdown[{extra}]'",
-    )
+    problem = f"{use} needs the package {package}, which is not installed"
+    expected, mend = f"swingdown with its extra `{extra}`", f"pip install 'swingdown[{extra}]'"
+    return PackageError(f"package {package}", problem, expected, mend)

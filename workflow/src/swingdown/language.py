@@ -59,15 +59,12 @@ class Language:
             return english
         if (found := self._known(english)) is not None:
             return found
-        return "".join(self._sentence(one) for one in _SENTENCES.split(english))
+        each = [(one, self._known(one)) for one in _SENTENCES.split(english)]
+        return "".join(one if found is None else found for one, found in each)
 
     def number(self, text: str) -> str:
         """The text with its numbers' decimal points as this language has them."""
         return _DECIMAL.sub(rf"\1{self.decimal}\2", text) if self.decimal != "." else text
-
-    def _sentence(self, english: str) -> str:
-        found = self._known(english)
-        return english if found is None else found
 
     def _known(self, english: str) -> str | None:
         """The translation of a whole text; None where the catalogue has none."""
@@ -123,12 +120,10 @@ class Language:
                 continue
             parts = [self._known(part) for part in bare.split(joint)]
             if None not in parts:
-                return self._joint(joint).join(map(str, parts))
+                word = joint.strip(", ")
+                said = joint.replace(word, self.texts.get(word, word)) if word else joint
+                return said.join(map(str, parts))
         return None
-
-    def _joint(self, joint: str) -> str:
-        word = joint.strip(", ")
-        return joint.replace(word, self.texts.get(word, word)) if word else joint
 
 
 IN_ENGLISH = Language(ENGLISH)

@@ -18,41 +18,18 @@ def write_manifest(
 ) -> int:
     """How many files the manifest lists.
 
-    An entry is path (relative to ``results``), size in bytes and SHA-256, sorted by path. Manifests, seals, logs, benchmarks and
-    unfinished files are not listed.
-
-    Parameters
-    ----------
-    results
-        The folder.
-    output
-        The manifest to write.
-    parts
-        Files or folders relative to ``results``; what is not there has no files.
-    without
-        Parts that are left out.
-
-    Raises
-    ------
-    InputError
-        If a file is not what its seal was taken of; nothing is written then.
+    An entry is path (relative to the folder ``results``), size in bytes and SHA-256, sorted by path. ``parts`` are files or folders
+    relative to ``results``, of which those ``without`` are left out; what is not there has no files. Manifests, seals, logs, benchmarks and
+    unfinished files are not listed. InputError if a file is not what its seal was taken of; no ``output`` is written then.
     """
     results = Path(results)
     outside = [results / part for part in without]
-    files = [
-        path
-        for path in _files(results, parts)
-        if not any(path == one or one in path.parents for one in outside)
-    ]
-    digests = {path: checksum(path) for path in files}
+    inside = [path for path in _files(results, parts) if not any(map(path.is_relative_to, outside))]
+    digests = {path: checksum(path) for path in inside}
     if broken := [str(path) for path, digest in digests.items() if not is_whole(path, digest)]:
         more = f" (and so are {', '.join(broken[1:])})" if broken[1:] else ""
-        raise InputError(
-            broken[0],
-            f"it or its seal was damaged or edited{more}",
-            "results that a manifest lists",
-            MAKE_ANEW,
-        )
+        problem = f"it or its seal was damaged or edited{more}"
+        raise InputError(broken[0], problem, "results that a manifest lists", MAKE_ANEW)
     entries = [
         {"path": path.relative_to(results).as_posix(), "size": path.stat().st_size, "sha256": digest}
         for path, digest in digests.items()
@@ -101,9 +78,8 @@ def _entries(manifest: Path) -> Iterator[tuple[str, int, str]]:
         for entry in json.loads(manifest.read_text(encoding="utf-8"))["files"]:
             yield str(entry["path"]), int(entry["size"]), str(entry["sha256"])
     except (ValueError, KeyError, TypeError) as error:
-        raise InputError(
-            manifest, f"it cannot be read ({error!r})", "path, size and sha256 of each file", _MEND
-        ) from error
+        problem = f"it cannot be read ({error!r})"
+        raise InputError(manifest, problem, "path, size and sha256 of each file", _MEND) from error
 
 
 def _files(results: Path, parts: Iterable[str]) -> list[Path]:

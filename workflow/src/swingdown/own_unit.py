@@ -53,10 +53,8 @@ class Own(NamedTuple):
         told = {}
         for name, one in found.items():
             times, unit = self.told(name, one["unit"])
-            told[name] = {
-                key: unit if key == "unit" else cell if cell is None else times * cell
-                for key, cell in one.items()
-            }
+            sizes = {key: cell for key, cell in one.items() if key != "unit" and cell is not None}
+            told[name] = {**one, **{key: times * cell for key, cell in sizes.items()}, "unit": unit}
         return told
 
     def covariance(self, names: list[str], units: list[str], cells: list[list[Any]]) -> list[list[Any]]:

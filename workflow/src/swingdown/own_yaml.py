@@ -5,9 +5,8 @@ from typing import Any
 
 import yaml
 
-_QUICK = getattr(
-    yaml, "CSafeLoader", yaml.SafeLoader
-)  # libyaml, some ten times as quick, where PyYAML was built with it
+# libyaml, some ten times as quick, where PyYAML was built with it
+_QUICK = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
 def read_own(path: Path) -> Any:

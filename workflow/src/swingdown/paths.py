@@ -49,12 +49,8 @@ def find(name: str | Path) -> Path:
         return path
     except OSError as error:
         if error.errno == errno.ENAMETOOLONG:
-            raise InputError(
-                f"{str(name)[:40]}…",
-                f"no file can have so long a name ({len(str(name))} characters)",
-                "a path",
-                "correct the path",
-            ) from None
+            problem = f"no file can have so long a name ({len(str(name))} characters)"
+            raise InputError(f"{str(name)[:40]}…", problem, "a path", "correct the path") from None
     if not path.is_absolute() and not path.exists() and (PROJECT / path).exists():
         return PROJECT / path
     return path
@@ -76,7 +72,7 @@ def safe_name(label: str) -> str:
     """
     if _NAME.fullmatch(label) and len(label) <= _LONGEST and not _RESERVED.fullmatch(label):
         return label
-    spelt = "".join(_SPELT.get(letter, letter) for letter in label)
+    spelt = label.translate(_SPELT)
     parts = [unicodedata.normalize("NFKD", letter).encode("ascii", "ignore").decode() for letter in spelt]
     name = re.sub(r"[^A-Za-z0-9._]+", "-", "".join(parts)).strip("-._")
     digest = hashlib.sha256(label.encode()).hexdigest()[:8]
@@ -89,19 +85,7 @@ def safe_name(label: str) -> str:
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
 _LONGEST = 100  # characters; a file's name may have 255 bytes, and endings follow
 _RESERVED = re.compile(r"(?i)(con|prn|aux|nul|com\d|lpt\d)(\..*)?")
-_SPELT = {
-    "ß": "ss",
-    "æ": "ae",
-    "Æ": "Ae",
-    "ø": "o",
-    "Ø": "O",
-    "œ": "oe",
-    "Œ": "Oe",
-    "ł": "l",
-    "Ł": "L",
-    "đ": "d",
-    "Đ": "D",
-}
+_SPELT = str.maketrans("øØłŁđĐ", "oOlLdD") | str.maketrans({"ß": "ss", "æ": "ae", "Æ": "Ae", "œ": "oe", "Œ": "Oe"})  # fmt: skip
 
 
 @contextmanager
@@ -144,19 +128,17 @@ def _named(partial: Path, path: Path) -> None:
 
 def in_words(number: int | None, path: str | Path) -> str:
     """What is wrong, where, and the mend, of the errno of a failed write; "" for one that is not the disk's or the folder's."""
-    return f"{_IN_WORDS[number]}: {path}. Mend: {_MENDS[number]}" if number in _IN_WORDS else ""
+    if number not in _IN_WORDS:
+        return ""
+    problem, mend = _IN_WORDS[number]
+    return f"{problem}: {path}. Mend: {mend}"
 
 
-_IN_WORDS = {
-    errno.ENOSPC: "the disk is full",
-    errno.EDQUOT: "the disk is full for this user",
-    errno.EROFS: "the folder cannot be written",
-    errno.EACCES: "the folder cannot be written",
-    errno.EPERM: "the folder cannot be written",
+_SHUT = "the folder cannot be written", "choose another with --directory, or allow writing there"
+_IN_WORDS = dict.fromkeys((errno.EROFS, errno.EACCES, errno.EPERM), _SHUT) | {
+    errno.ENOSPC: ("the disk is full", "make room and run again"),
+    errno.EDQUOT: ("the disk is full for this user", "make room and run again"),
 }
-_MENDS = dict.fromkeys(_IN_WORDS, "make room and run again") | dict.fromkeys(
-    (errno.EROFS, errno.EACCES, errno.EPERM), "choose another with --directory, or allow writing there"
-)
 
 
 def checksum(path: Path) -> str:

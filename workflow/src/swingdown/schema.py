@@ -70,10 +70,8 @@ def _weighed(node: yaml.Node, known: dict[yaml.Node, tuple[int, int] | None]) ->
     weights = [_weighed(one, known) for one in below]
     size, depth = 1 + sum(size for size, _ in weights), 1 + max((depth for _, depth in weights), default=0)
     if size > max(_MOST, len(known)) or depth > _DEEPEST:
-        raise _fault(
-            f"its aliases make more than {_MOST} entries of it, or more than {_DEEPEST} levels",
-            node.start_mark,
-        )
+        problem = f"its aliases make more than {_MOST} entries of it, or more than {_DEEPEST} levels"
+        raise _fault(problem, node.start_mark)
     known[node] = size, depth
     return size, depth
 
@@ -89,10 +87,8 @@ def parse_yaml(text: str, where: object) -> Any:
     except (yaml.YAMLError, ValueError) as problem:
         mark, context = getattr(problem, "problem_mark", None), getattr(problem, "context_mark", None)
         at = f"{where}, line {mark.line + 1}, column {mark.column + 1}" if mark else str(where)
-        said = (
-            str(getattr(problem, "problem", None) or problem).replace("\t", "a tab").replace("'\\t'", "a tab")
-        )
-        since = ""
+        said = str(getattr(problem, "problem", None) or problem)
+        said, since = said.replace("\t", "a tab").replace("'\\t'", "a tab"), ""
         if mark and context and context.line != mark.line:
             since = f", in what begins in line {context.line + 1}"
         raise InputError(
@@ -106,9 +102,8 @@ def read_yaml(path: Path, where: object) -> Any:
     try:
         text = path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as problem:
-        raise InputError(
-            where, "it is not text in UTF-8", "a YAML file in UTF-8", "save it in UTF-8"
-        ) from problem
+        told = "it is not text in UTF-8", "a YAML file in UTF-8", "save it in UTF-8"
+        raise InputError(where, *told) from problem
     return parse_yaml(text, where)
 
 
@@ -117,41 +112,20 @@ def check(content: Any, schema: str, where: object, part: str = "key") -> dict[s
 
     Unknown keys are refused before all other faults. A number is a finite number. A group that stands there empty counts as left out.
     Beside JSON Schema's own words a schema may say of a value that it refuses what is the matter with it (``refused``) and the ``mend``.
-
-    Parameters
-    ----------
-    content
-        The mapping.
-    schema
-        File name in ``schemas``.
-    where
-        What an error names as its place.
-    part
-        What a key is called there: the row of a table has columns.
-
-    Raises
-    ------
-    InputError
-        For the first fault, with the key.
+    ``schema`` is a file name in ``schemas``. InputError for the first fault, with the key: ``where`` is the place that it names, and ``part``
+    what a key is called there, as the row of a table has columns.
     """
     if not isinstance(content, dict):
-        raise InputError(
-            where,
-            "it is not a mapping of keys to values",
-            "keys and values in YAML",
-            "write `key: value` lines",
-        )
+        problem = "it is not a mapping of keys to values"
+        raise InputError(where, problem, "keys and values in YAML", "write `key: value` lines")
     content = {key: value for key, value in content.items() if value is not None}
-    validator = _validator(schema)
-    faults = sorted(
-        validator.iter_errors(content),
-        key=lambda fault: (
-            fault.validator != "additionalProperties",
-            [(type(step).__name__, step) for step in fault.path],  # YAML's keys are of several kinds
-        ),
-    )
-    if faults:
-        raise _refusal(faults[0], rules(schema), where, part)
+
+    def order(fault: "jsonschema.ValidationError") -> tuple[bool, list[tuple[str, Any]]]:
+        path = [(type(step).__name__, step) for step in fault.path]  # YAML's keys are of several kinds
+        return fault.validator != "additionalProperties", path
+
+    if fault := min(_validator(schema).iter_errors(content), key=order, default=None):
+        raise _refusal(fault, rules(schema), where, part)
     return filled(content, schema)
 
 
@@ -231,9 +205,8 @@ def _refusal(
     fault: "jsonschema.ValidationError", schema: dict[str, Any], where: object, part: str
 ) -> InputError:
     """The InputError that tells a jsonschema error: which key, what was expected, the mend."""
-    key = "".join(
-        f"[{step + 1}]" if isinstance(step, int) else f".{step}" for step in fault.absolute_path
-    ).lstrip(".")
+    steps = [f"[{one + 1}]" if isinstance(one, int) else f".{one}" for one in fault.absolute_path]
+    key = "".join(steps).lstrip(".")
     place = f"{where}, {part} {key}" if key else str(where)
     rule, value = fault.schema, fault.instance
     if fault.validator == "additionalProperties":
@@ -242,21 +215,16 @@ def _refusal(
         return _missing(fault, schema, where, part, place)
     if fault.validator == "enum":
         known = fault.validator_value
-        return InputError(
-            place, f"{value!r} is not known here", ", ".join(map(str, known)), near(value, known)
-        )
+        problem = f"{value!r} is not known here"
+        return InputError(place, problem, ", ".join(map(str, known)), near(value, known))
     if fault.validator == "uniqueItems":
         return InputError(place, "an entry is there twice", "each entry once", "remove one")
     if fault.validator == "pattern":
         problem = f"{value!r} {rule.get('refused', 'is no name')}"
         return InputError(place, problem, rule.get("description", ""), rule.get("mend", "rename it"))
     if fault.validator == "maxLength":
-        return InputError(
-            place,
-            f"it has {len(value)} characters ({value[:40]}…)",
-            f"at most {fault.validator_value}",
-            "shorten it",
-        )
+        problem = f"it has {len(value)} characters ({value[:40]}…)"
+        return InputError(place, problem, f"at most {fault.validator_value}", "shorten it")
     if fault.validator == "minItems":
         return InputError(place, "the list is too short", f"at least {fault.validator_value}", "add an entry")
     if fault.validator == "type" and rule.get("type") in ("number", "integer"):
@@ -276,17 +244,18 @@ def _missing(
 
 def _no_number(value: object, rule: dict[str, Any], place: str) -> InputError:
     """The fault of something else where a number belongs: text, or a number that is infinite or none."""
-    whole = rule["type"] == "integer"
+    problem, mend = "does not fit", "correct the value"
     try:
         number = float(str(value))
     except ValueError:
-        return InputError(place, f"{value!r} is not a number", _expected(rule), "correct the value")
-    if not math.isfinite(number):
-        return InputError(place, f"{value!r} is not a finite number", _expected(rule), "correct the value")
-    if not isinstance(value, str):
-        return InputError(place, f"{value!r} does not fit", _expected(rule), "correct the value")
-    mend = f"write {int(number) if whole else number!r} without quotes"
-    return InputError(place, f"{value!r} is text", _expected(rule), mend)
+        problem = "is not a number"
+    else:
+        if not math.isfinite(number):
+            problem = "is not a finite number"
+        elif isinstance(value, str):
+            problem = "is text"
+            mend = f"write {int(number) if rule['type'] == 'integer' else number!r} without quotes"
+    return InputError(place, f"{value!r} {problem}", _expected(rule), mend)
 
 
 def _unknown_key(
@@ -295,12 +264,9 @@ def _unknown_key(
     known = fault.schema["properties"]
     name = next(name for name in fault.instance if name not in known)
     full = f"{key}.{name}" if key else str(name)
-    elsewhere = [str(name)] if key and name in schema["properties"] else []
-    elsewhere += [
-        f"{group}.{name}"
-        for group, rule in schema["properties"].items()
-        if name in rule.get("properties", {})
-    ]
+    groups = schema["properties"]
+    elsewhere = [str(name)] if key and name in groups else []
+    elsewhere += [f"{group}.{name}" for group in groups if name in groups[group].get("properties", {})]
     mend = f"it belongs at {elsewhere[0]}" if elsewhere else near(name, known)
     return InputError(f"{where}, key {full}", "unknown key", f"one of {', '.join(known)}", mend)
 
@@ -308,8 +274,7 @@ def _unknown_key(
 def near(name: object, known: Iterable[object]) -> str:
     """The mend for a name that is not known: the one that looks like it, if there is one."""
     by_small = {str(one).lower(): str(one) for one in known}
-    found = difflib.get_close_matches(str(name).lower(), by_small, 1, 0.5)
-    if found:
+    if found := difflib.get_close_matches(str(name).lower(), by_small, 1, 0.5):
         return f"write {by_small[found[0]]!r}, if that is what was meant"
     return "use one of these, or remove it"
 

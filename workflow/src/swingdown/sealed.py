@@ -112,18 +112,13 @@ def read_bytes(path: str | Path) -> bytes:
     try:
         content = path.read_bytes()
     except FileNotFoundError:
-        raise InputError(
-            path, "there is no such file", "a result of an earlier step", "give the same command again"
-        ) from None
+        told = "there is no such file", "a result of an earlier step", "give the same command again"
+        raise InputError(path, *told) from None
     except OSError as error:
         raise InputError(path, f"it cannot be read ({error.strerror})", "a file", MAKE_ANEW) from error
     if not agrees(path, sha256(content).hexdigest()):
-        raise InputError(
-            path,
-            f"it or its seal {seal_of(path).name} was damaged or edited: they do not agree",
-            "the bytes that were sealed",
-            MAKE_ANEW,
-        )
+        problem = f"it or its seal {seal_of(path).name} was damaged or edited: they do not agree"
+        raise InputError(path, problem, "the bytes that were sealed", MAKE_ANEW)
     return content
 
 
@@ -153,12 +148,8 @@ def check_behind(path: Path) -> bool:
             found.update(piece)
             left -= len(piece)
     if tail[len(_BEHIND) :] != found.hexdigest().encode():
-        raise InputError(
-            path,
-            "it cannot be read (its bytes are not those that were written)",
-            "an undamaged netCDF file",
-            MAKE_ANEW,
-        )
+        problem = "it cannot be read (its bytes are not those that were written)"
+        raise InputError(path, problem, "an undamaged netCDF file", MAKE_ANEW)
     return True
 
 

@@ -151,21 +151,10 @@ def of_swings(
     restoring: str = "sine",
     checked: bool = True,
 ) -> Answer:
-    """The ``Answer`` of ``fit`` on angle datasets of one pendulum.
+    """The ``Answer`` of ``fit`` on angle datasets (``measurement.angle.to_angle``) of one pendulum, one a recording.
 
-    Parameters
-    ----------
-    given
-        Angle datasets (``measurement.angle.to_angle``), one a recording.
-    fitted, effects, restoring
-        As in ``fit``.
-    checked
-        Whether a motion that no model follows is refused; false before a search.
-
-    Raises
-    ------
-    NotFree
-        If ``checked`` and no model of damping follows the motion.
+    ``fitted``, ``effects`` and ``restoring`` are as in ``fit``. If ``checked``, NotFree where no model of damping follows the motion; before
+    a search it is not asked.
     """
     try:
         return _of_swings(given, fitted, effects, restoring, checked)
@@ -202,9 +191,8 @@ def _of_swings(
             given, each = [angle for angle, _ in each_way], [fits for _, fits in each_way]
             together = each[0] if len(given) == 1 else fit_campaign(given, known)
     except NotFree as problem:
-        raise type(problem)(
-            problem.where, joined(problem.problem, unit), problem.expected, problem.mend
-        ) from problem
+        told = joined(problem.problem, unit)
+        raise type(problem)(problem.where, told, problem.expected, problem.mend) from problem
     except (ArithmeticError, np.linalg.LinAlgError) as problem:
         raise breaks_off("swing") from problem
     norms = combine_recordings(each)
@@ -213,10 +201,8 @@ def _of_swings(
     table = pendulums(norms, [] if len(given) == 1 else [together], catalogue=entries)
     if courses := ask_counted(table, given) if checked else {}:
         own = table.get("note", pd.Series("", index=table.index)).astype(object).fillna("")
-        table["note"] = [
-            joined(note, courses[name][1] if name in courses else "")
-            for name, note in zip(table["recording"], own, strict=True)
-        ]
+        goes = [courses[name][1] if name in courses else "" for name in table["recording"]]
+        table["note"] = list(map(joined, own, goes))
         last = {name: period for name, (period, _) in courses.items()}
         table["last_period_s"] = table["recording"].map(last).fillna(table.get("last_period_s", np.nan))
     # a motor's period is that of its swings, whatever their unit
@@ -253,15 +239,12 @@ def _fitted(
     )
     if not np.isfinite(list(values.values())).all():
         return None, {}
-    return model.with_values(values, errors), {
-        str(one["recording"].item()): Begin(
-            float(one["time"].values[0]),
-            float(one["release_angle"].sel(fitted=model.label)),
-            float(one["release_velocity"].sel(fitted=model.label)),
-            float(one["time"].values[-1] - one["time"].values[0]),
-        )
-        for one in each
-    }
+    begins = {}
+    for one in each:
+        times, fit = one["time"].values, one.sel(fitted=model.label)
+        release = float(fit["release_angle"]), float(fit["release_velocity"])
+        begins[str(one["recording"].item())] = Begin(float(times[0]), *release, float(times[-1] - times[0]))
+    return model.with_values(values, errors), begins
 
 
 @told_to(TO_FIT)
@@ -323,14 +306,9 @@ def explained(
     effects: Mapping[str, Any] | None = None,
     restoring: str = "sine",
 ) -> Answer:
-    """The ``Answer`` of ``explain`` on angle datasets (``measurement.angle.to_angle``) of one pendulum.
+    """The ``Answer`` of ``explain`` on angle datasets (``measurement.angle.to_angle``) of one pendulum, one a recording.
 
-    Parameters
-    ----------
-    given
-        Angle datasets, one a recording.
-    base, rounds, fitted, effects, restoring
-        As in ``explain``, and so are the errors.
+    The other arguments are as in ``explain``, and so are the errors.
     """
     engine(catalogue(effects))  # without a compiled one even the fits before the search take minutes
     first = before_search(given, fitted, effects, restoring)
@@ -370,10 +348,8 @@ def _ended(
 
 def _with_fits(state: Round, whole: Campaign) -> list[tuple[Swing, SwingFit]]:
     """The swings of a search, those held out too, each with its part in the last model's fit."""
-    return [
-        *zip(whole.fit, state.fit.swings, strict=True),
-        *zip(whole.holdout, state.holdout.swings, strict=True),
-    ]
+    swings, fits = (*whole.fit, *whole.holdout), (*state.fit.swings, *state.holdout.swings)
+    return list(zip(swings, fits, strict=True))
 
 
 @contextmanager
@@ -412,27 +388,16 @@ def searchable(name: str, given: Sequence[xr.Dataset], doubt: str = "") -> Campa
         raise why
     driven(given)
     given = in_one_step(given)
-    return replace(
-        campaign(name, [swing_of(one) for one in given]),
-        slack=of_angles(given),
-        reading=read_alike(name, given),
-        own=own_of(given[0].attrs),
-        unit_doubt=doubt,
-    )
+    whole, reading = campaign(name, [swing_of(one) for one in given]), read_alike(name, given)
+    own = own_of(given[0].attrs)
+    return replace(whole, slack=of_angles(given), reading=reading, own=own, unit_doubt=doubt)
 
 
 def _shown(state: Round, whole: Campaign) -> tuple[Shown, ...]:
     """The swings beside what the last model of a search makes of them, in the order of their times."""
     times = whole.own.step if whole.own else 1.0
-    found = [
-        Shown(
-            *Shown.named(swing.name),
-            swing.times,
-            times * swing.angle,
-            times * one.angle,
-            swing in whole.holdout,
-            whole.unit,
-        )
-        for swing, one in _with_fits(state, whole)
-    ]
+    found = []
+    for swing, one in _with_fits(state, whole):
+        read, fit, held_out = times * swing.angle, times * one.angle, swing in whole.holdout
+        found.append(Shown(*Shown.named(swing.name), swing.times, read, fit, held_out, whole.unit))
     return tuple(sorted(found, key=lambda one: (one.recording, float(one.times[0]))))

@@ -41,11 +41,8 @@ def alone(
         try:
             ended[campaign] = _with_verdict(answers[campaign], members, restoring)
         except (InputError, TrajectoryError) as problem:
-            why = (
-                problem
-                if isinstance(problem, InputError)
-                else InputError(campaign, f"the search did not end ({problem})")
-            )
+            why = InputError(campaign, f"the search did not end ({problem})")
+            why = problem if isinstance(problem, InputError) else why
             lost += [own.refused(one.row, why) for one in members]
             continue
         write_json(results / "discovery" / campaign / "verdict.json", ended[campaign].verdict)

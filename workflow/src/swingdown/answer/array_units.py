@@ -111,9 +111,8 @@ def _in_units(quantity: Any, units: tuple[str, ...], what: str) -> tuple[Floats,
         return numbers(getattr(quantity, "magnitude", getattr(quantity, "value", quantity)), what), ""
     for unit in units:
         try:
-            converted = (
-                quantity.to_value(unit) if hasattr(quantity, "to_value") else quantity.to(unit).magnitude
-            )
+            of_astropy = hasattr(quantity, "to_value")
+            converted = quantity.to_value(unit) if of_astropy else quantity.to(unit).magnitude
         except Exception:  # each library has its own error for a quantity of another kind
             continue
         return numbers(converted, what), unit

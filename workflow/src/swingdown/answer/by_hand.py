@@ -64,15 +64,11 @@ def _alone(
     told = f"T = {plus_minus(period.value, period.uncertainty)} s"
     if not stated.get("length"):
         return {}, [told, "--length gives g"]
-    length, diameter, density = (
-        quantity(stated[cell], dimension, CELLS[cell], cell.replace("_", " "), "correct it")
-        if stated.get(cell)
-        else None
+    given: dict[str, Any] = {
+        cell: quantity(stated[cell], dimension, CELLS[cell], cell.replace("_", " "), "correct it")
         for cell, dimension in STATED.items()
-    )
-    assert length
+        if stated.get(cell)
+    }
     frequency = 2 * np.pi / period.value
-    own = gravity(
-        Stated(frequency, frequency * period.uncertainty / period.value, "rad/s"), length, diameter, density
-    )
+    own = gravity(Stated(frequency, frequency * period.uncertainty / period.value, "rad/s"), **given)
     return {name: own}, [told, own.sentence, *write_g({name: own}, folder)]

@@ -6,8 +6,8 @@ import signal
 import subprocess
 import sys
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager, redirect_stdout
+from collections.abc import Mapping, Sequence
+from contextlib import redirect_stdout
 from contextvars import ContextVar
 from importlib.metadata import version
 from pathlib import Path
@@ -17,7 +17,7 @@ import pandas as pd
 
 from ..console import warnings_once
 from ..engine.trajectory import TrajectoryWarning
-from ..errors import InputError, Refusal, told_to
+from ..errors import InputError, Refusal, told_to, within
 from ..extras import has
 from ..language import IN_ENGLISH, Language, language
 from ..measurement.files.programs import FILMS
@@ -91,7 +91,7 @@ def answer(given: Sequence[str], told: Mapping[str, Any], wishes: Wishes) -> int
     where none can be used.
     """
     check_able(wishes.handed_in, wishes.quick)
-    with _speaking(wishes.spoken), told_to(TO_THE_COMMAND):
+    with within(_SPOKEN, wishes.spoken), told_to(TO_THE_COMMAND):
         try:
             if not wishes.json:
                 return _handed_in(_study(given, told, wishes), wishes).code
@@ -106,12 +106,10 @@ def answer(given: Sequence[str], told: Mapping[str, Any], wishes: Wishes) -> int
 def _handed_in(found: Found, wishes: Wishes) -> Found:
     """What was found, when it has been written as it is to be handed in."""
     if found.by_hand and wishes.handed_in:
-        _say(
-            f"no --{' or --'.join(wishes.handed_in)} of a table of periods: {found.folder} has what was made"
-        )
+        kinds = " or --".join(wishes.handed_in)
+        _say(f"no --{kinds} of a table of periods: {found.folder} has what was made")
         return found
-    for line in hand_in(wishes.handed_in, found.answers, found.folder, wishes.spoken):
-        _say(line)
+    _say(*hand_in(wishes.handed_in, found.answers, found.folder, wishes.spoken))
     return found
 
 
@@ -144,13 +142,13 @@ def _study(given: Sequence[str], told: Mapping[str, Any], wishes: Wishes) -> Fou
     paths, beside = without_table(paths, wishes.values)
     folder = Path(wishes.into) if wishes.into else own.place(given)
     if len(paths) == 1 and (timed := by_hand(paths[0], folder, wishes.by, told, wishes.spoken)):
-        for line in timed.told:
-            _say(line)
+        _say(*timed.told)
         return Found(0, {}, passed, folder, [], timed.g, timed.series, timed.periods)
     about_one = {key: cell for key, cell in told.items() if key != PIVOTS}
     rows = own.rows(paths, folder, wishes.together, about_one)
     with_lengths(rows, about_one, told.get(PIVOTS))
-    _tell_passed(passed)
+    for problem in dict.fromkeys(one.problem for one in passed):
+        _say(f"{', '.join(one.label for one in passed if one.problem == problem)}: {problem}")
     taken, left_out = _read(paths, rows, restoring)
     taken, left_out = own.apart(taken), left_out + passed
     if not taken:
@@ -185,10 +183,8 @@ def _study(given: Sequence[str], told: Mapping[str, Any], wishes: Wishes) -> Fou
     write_csv(in_order(table), folder / FIRST)
     _say(f"\nwritten: {config}, {own.SHEET} and {FIRST} beside it")
     emulated = "yes" if (table["emulated"] == "yes").any() else "no"
-    for line in (*written(of_g, folder), *how, *write_series(of_all, folder, emulated, wishes.spoken)):
-        _say(line)
-    for line in write_beside(answers, folder, wishes.drives, wishes.spoken):
-        _say(line)
+    _say(*written(of_g, folder), *how, *write_series(of_all, folder, emulated, wishes.spoken))
+    _say(*write_beside(answers, folder, wishes.drives, wishes.spoken))
     _draw_tracks(kept, folder)
     found = Found(0, answers, left_out, folder, kept, of_g, of_all)
     if wishes.quick:
@@ -242,12 +238,8 @@ def _none_of(refused: Sequence[own.Refused]) -> InputError:
     """The refusal of recordings of which none can be used: of several each was told, and here only how many."""
     if len(refused) == 1:
         return refused[0].error
-    return InputError(
-        refused[0].file,
-        f"none of {len(refused)} recordings can be used; the reasons are above, one by one",
-        "a recording of a swinging pendulum",
-        "mend one of them",
-    )
+    problem = f"none of {len(refused)} recordings can be used; the reasons are above, one by one"
+    return InputError(refused[0].file, problem, "a recording of a swinging pendulum", "mend one of them")
 
 
 def _read(
@@ -266,11 +258,9 @@ def _read(
             name = path.name + (label.removeprefix(row.get("label", row["recording"])) if label else "")
             if isinstance(found, own.Refused):
                 if hand_table(path):
-                    found = found._replace(
-                        problem="it is a table of times that were taken by hand, not a recording",
-                        expected="recordings side by side, or such a table alone",
-                        mend=f"swingdown {path.name}",
-                    )
+                    problem = "it is a table of times that were taken by hand, not a recording"
+                    expected = "recordings side by side, or such a table alone"
+                    found = found._replace(problem=problem, expected=expected, mend=f"swingdown {path.name}")
                 elif may_be_times(path):
                     found = found._replace(mend=f"{found.mend}; {OF_TIMES}")
                 left_out.append(found)
@@ -300,12 +290,6 @@ def _draw_tracks(kept: Sequence[own.Taken], folder: Path) -> None:
             _say(f"the track of the bob: {drawn}; look whether it is the bob's")
 
 
-def _tell_passed(passed: Sequence[own.Refused]) -> None:
-    """What of a folder is not looked at, in a line for each reason."""
-    for problem in dict.fromkeys(one.problem for one in passed):
-        _say(f"{', '.join(one.label for one in passed if one.problem == problem)}: {problem}")
-
-
 def _several(parts: Sequence[own.Taken | own.Refused]) -> str:
     """What is said of a file that holds several recordings."""
     runs = {found.row["run"] for found in parts if isinstance(found, own.Taken) and "run" in found.row}
@@ -326,9 +310,7 @@ def _first(taken: list[own.Taken], restoring: str) -> tuple[dict[str, Answer], l
         answer, lost = _of_one(members, restoring)
         for angle in answer.swings if answer else ():
             if again := cells_again(angle):  # as the sheet is to read it
-                place = next(
-                    k for k, one in enumerate(taken) if one.row["recording"] == angle.attrs["recording"]
-                )
+                place = [one.row["recording"] for one in taken].index(angle.attrs["recording"])
                 taken[place] = taken[place]._replace(row=taken[place].row | again, angle=angle)
         found |= {campaign: answer} if answer else {}
         unfit += lost
@@ -419,16 +401,7 @@ def run_workflow(project: Path, config: Path, folder: Path, cores: int, targets:
 _SPOKEN: ContextVar[Language] = ContextVar("spoken", default=IN_ENGLISH)
 
 
-@contextmanager
-def _speaking(spoken: Language) -> Iterator[None]:
-    """A block in which what is said is said in this language."""
-    before = _SPOKEN.set(spoken)
-    try:
-        yield
-    finally:
-        _SPOKEN.reset(before)
-
-
-def _say(text: object) -> None:
-    said = "\n".join(map(_SPOKEN.get().text, str(text).split("\n")))
-    print(printable(said), flush=True)
+def _say(*texts: object) -> None:
+    for text in texts:
+        said = "\n".join(map(_SPOKEN.get().text, str(text).split("\n")))
+        print(printable(said), flush=True)

@@ -57,12 +57,11 @@ def write_beside(
             told.append(f"{campaign}: {sentence}" if prefix else sentence)
         for name, figure in _pictures(drawn, found, one) if drawing else ():
             save(in_language(figure, spoken), folder / f"{prefix}{name}.png")
-    for name, parts, columns in ((CURVES, curves, dataset.COLUMNS), (LAWS, compared, laws.COLUMNS)):
+    tables = [(CURVES, curves, dataset.COLUMNS), (LAWS, compared, laws.COLUMNS)]
+    tables += [(RESONANCE, driven, resonance.COLUMNS)] if driven else []
+    for name, parts, columns in tables:
         whole = pd.concat(parts, ignore_index=True) if parts else pd.DataFrame(columns=columns)
         write_csv(whole, folder / f"{name}.csv", float_format="%.9g")
-    if driven:
-        whole = pd.concat(driven, ignore_index=True)
-        write_csv(whole, folder / f"{RESONANCE}.csv", float_format="%.9g")
     pictures = ", with a picture of each" if told and drawing else ""
     return [*told, f"against the amplitude: {CURVES}.csv; what each law of damping leaves: {LAWS}.csv{pictures}"] if compared or curves else told  # fmt: skip
 

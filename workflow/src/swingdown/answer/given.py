@@ -86,29 +86,14 @@ def swings(
     restoring: str = "sine",
     said: Mapping[str, Any] | None = None,
 ) -> list[xr.Dataset]:
-    """Datasets of the angle in rad over the time in s, as ``measurement.angle.to_angle`` gives them.
+    """Datasets of the angle in rad over the time in s, as ``measurement.angle.to_angle`` gives them: one a swing, of several releases one each.
 
-    Parameters
-    ----------
-    times, angles, unit, names, kind, restoring
-        As of ``answer.fit``.
-    said
-        What else is said of them (``Said``); of swings by themselves nothing of an input.
-
-    Returns
-    -------
-    list of xarray.Dataset
-        One a swing, and of a series with several releases one a release.
-
-    Raises
-    ------
-    InputError
-        It names the swing and what is wrong with it.
+    ``said`` is what else is said of them (``Said``), of swings by themselves nothing of an input; all other arguments are as of
+    ``answer.fit``. InputError names the swing and what is wrong with it.
     """
     if unit not in (None, *ANGLES):
-        raise InputError(
-            "argument unit", f"unknown unit {unit!r}", " or ".join(ANGLES), "convert the angles first"
-        )
+        units = " or ".join(ANGLES)
+        raise InputError("argument unit", f"unknown unit {unit!r}", units, "convert the angles first")
     if kind not in ("", *KINDS):
         raise InputError("argument kind", f"unknown kind {kind!r}", " or ".join(KINDS), "leave it out")
     if kind in (PASSAGES, PERIODS):
@@ -118,19 +103,16 @@ def swings(
         raise InputError("argument times", "no swing is given", "at least one")
     names = list(names or [f"swing {k + 1}" if len(found) > 1 else "swing" for k in range(len(found))])
     if len(names) != len(found) or len(set(names)) < len(names):
-        raise InputError(
-            "argument names", f"{len(set(names))} names for {len(found)} swings", "one name each"
-        )
+        problem = f"{len(set(names))} names for {len(found)} swings"
+        raise InputError("argument names", problem, "one name each")
     said = dict(said or {})
     if "zero_tolerance" in said:
         known = {ZERO: float(said.pop("zero_tolerance"))}
         found = [one._replace(about=one.about | known) for one in found]
     if said:
         inputs = _inputs(said["input"], len(found))
-        return [
-            _driven(name, one, drive, said, unit, restoring)
-            for name, one, drive in zip(names, found, inputs, strict=True)
-        ]
+        each = zip(names, found, inputs, strict=True)
+        return [_driven(name, one, drive, said, unit, restoring) for name, one, drive in each]
     return [
         swing
         for name, one in zip(names, found, strict=True)
@@ -141,25 +123,17 @@ def swings(
 def asked(given: Mapping[str, Any]) -> dict[str, Any]:
     """The arguments of a call that say more of a swing, by name; InputError for an unknown one, and for words on an
     input without one."""
+    known = ", ".join(Said.__annotations__)
     for name in given:
         if name not in Said.__annotations__:
-            raise InputError(
-                f"argument {name}",
-                "there is no such argument",
-                ", ".join(Said.__annotations__),
-                "leave it out",
-            )
+            raise InputError(f"argument {name}", "there is no such argument", known, "leave it out")
     said = {name: value for name, value in given.items() if value is not None}
     if not isinstance(said.get("zero_tolerance", 0.0), int | float):
         raise InputError("argument zero_tolerance", f"it is {said['zero_tolerance']!r}", "a number of rad", "leave it out: the swings tell their zero")  # fmt: skip
     driven = [name for name in said if name in Driven.__annotations__]
     if driven and "input" not in said:
-        raise InputError(
-            f"argument {driven[0]}",
-            "the drive is described, but its values are missing",
-            "input=, the values of the drive",
-            "give them, or leave the description out",
-        )
+        told = "the drive is described, but its values are missing", "input=, the values of the drive"
+        raise InputError(f"argument {driven[0]}", *told, "give them, or leave the description out")
     return said
 
 
@@ -174,9 +148,8 @@ def _inputs(given: Any, count: int) -> list[Any]:
     """The input of each swing: one for all, or one each."""
     each = list(given) if _several(given) and not (len(given) == 2 and count == 1) else [given] * count
     if len(each) != count:
-        raise InputError(
-            "argument input", f"{len(each)} inputs for {count} swings", "one for each swing, or one for all"
-        )
+        problem = f"{len(each)} inputs for {count} swings"
+        raise InputError("argument input", problem, "one for each swing, or one for all")
     return each
 
 
@@ -237,11 +210,8 @@ def _passages(times: Any, speeds: Any, names: Sequence[str] | None, kind: str) -
     clock = seconds(times)
     read = np.full(clock.shape, np.nan) if speeds is None else numbers(speeds, "the speeds")
     if clock.ndim != 1 or read.shape != clock.shape or not np.all(np.diff(clock) > 0):
-        raise InputError(
-            name,
-            f"{clock.size} times and {read.size} speeds",
-            "increasing times (s), and a speed for each or none",
-        )
+        expected = "increasing times (s), and a speed for each or none"
+        raise InputError(name, f"{clock.size} times and {read.size} speeds", expected)
     points, kind = counted(Gate(clock, read, "", kind, "", []), kind, name)
     unit = "" if speeds is None else "as given"
     return points_to_angle(as_passages(points, kind, unit, _attributes(name, {})))
@@ -257,9 +227,8 @@ def _each(times: Any, angles: Any) -> Iterator[Series]:
     elif _several(angles):
         clocks = list(times) if _several(times) else [times] * len(angles)
         if len(clocks) != len(angles):
-            raise InputError(
-                "arguments", f"{len(clocks)} series of times for {len(angles)} of angles", "one each"
-            )
+            problem = f"{len(clocks)} series of times for {len(angles)} of angles"
+            raise InputError("arguments", problem, "one each")
         for clock, values in zip(clocks, angles, strict=True):
             yield _series(clock, values)
     else:
@@ -268,12 +237,7 @@ def _each(times: Any, angles: Any) -> Iterator[Series]:
 
 def _several(given: Any) -> bool:
     """True for a list or tuple of series, False for one series."""
-    return (
-        isinstance(given, list | tuple)
-        and len(given) > 0
-        and not np.isscalar(given[0])
-        and np.ndim(given[0]) > 0
-    )
+    return isinstance(given, list | tuple) and len(given) > 0 and np.ndim(given[0]) > 0
 
 
 def _series(times: Any, angles: Any) -> Series:
@@ -289,15 +253,13 @@ def _alone(given: Any) -> Series:
         found = [str(name) for name in given.data_vars if meaning(str(name)).kind == ANGLE]
         name = "angle" if "angle" in found else next(iter(found), None)
         if name is None:
-            raise InputError(
-                "Dataset", f"no angle among {', '.join(map(str, given.data_vars))}", "a variable `angle`"
-            )
+            there = ", ".join(map(str, given.data_vars))
+            raise InputError("Dataset", f"no angle among {there}", "a variable `angle`")
         return _alone(given[name].assign_attrs(given.attrs | given[name].attrs))
     if isinstance(given, xr.DataArray):
         if given.ndim != 1 or given.dims[0] not in given.coords:
-            raise InputError(
-                "DataArray", f"its dimensions are {given.dims}", "one, with the times as its coordinate"
-            )
+            expected = "one, with the times as its coordinate"
+            raise InputError("DataArray", f"its dimensions are {given.dims}", expected)
         return _series(given[given.dims[0]], given)
     if isinstance(given, pd.DataFrame) and given.shape[1] > 1:
         return _of_columns(given)
@@ -307,9 +269,8 @@ def _alone(given: Any) -> Series:
         return _series(given.index, given)
     array = numbers(given, "argument times")
     if array.ndim != 2 or 2 not in array.shape:
-        raise InputError(
-            "argument angles", "no angles are given, and the times bring none along", "times and angles"
-        )
+        problem = "no angles are given, and the times bring none along"
+        raise InputError("argument angles", problem, "times and angles")
     pair = array.T if array.shape[1] == 2 else array
     return Series(pair[0], pair[1], "", {})
 
@@ -335,12 +296,8 @@ def _swings_in(name: str, given: Series, unit: str | None, kind: str, restoring:
     if times.size < SHORTEST:
         raise InputError(name, f"{times.size} samples", f"at least {SHORTEST}", "record longer")
     if unit and stated and unit != stated:
-        raise InputError(
-            name,
-            f"the argument unit says {unit}, but the angles themselves say {stated}",
-            "one unit",
-            "leave unit out",
-        )
+        problem = f"the argument unit says {unit}, but the angles themselves say {stated}"
+        raise InputError(name, problem, "one unit", "leave unit out")
     remarks = [f"{missing.sum()} of {missing.size} samples hold no number: missing"] if missing.any() else []
     taken = unit or stated or "rad"
     own = ("V" if taken == "V" else UNNAMED) if restoring == "linear" and taken not in TO_RAD_PER_S else ""
@@ -354,8 +311,10 @@ def _swings_in(name: str, given: Series, unit: str | None, kind: str, restoring:
             ordered = in_order(times, values, name)
             times, values = ordered.times, values[ordered.kept]
             judged = judge(times, values, reading, name)
-            found = _releases(name, times, values, judged)
-            if not found:
+            used = [within(one, times) for one in judged.windows]
+            found = [(times[one], values[one], f"{name}, release {k}") for k, one in enumerate(used, 1)]
+            if len(found) < 2:
+                found = []
                 window, told, kept = used_part(judged.windows)
                 told += check_used(times, judged, within(window, times), name)
         except InputError as problem:
@@ -377,14 +336,6 @@ def _swings_in(name: str, given: Series, unit: str | None, kind: str, restoring:
     return [_as_angle(times, judged, as_variable(judged.spikes.where), attributes, remarks)]
 
 
-def _releases(name: str, times: Floats, values: Floats, judged: Judged) -> list[tuple[Floats, Floats, str]]:
-    """The times, values and names of several releases in one series; none of a single one."""
-    if len(judged.windows) < 2:
-        return []
-    used = [within(one, times) for one in judged.windows]
-    return [(times[one], values[one], f"{name}, release {k}") for k, one in enumerate(used, 1)]
-
-
 def _points(
     name: str, times: Floats, values: Floats, unit: str, about: dict[str, Any], kind: str
 ) -> list[xr.Dataset]:
@@ -401,9 +352,8 @@ def _points(
 
 def _tolerances(about: Mapping[str, Any], unit: str) -> dict[str, float]:
     """The limits of error of a swing in this unit; its zero is open unless a limit is stated."""
-    stated = (
-        {"zero_tolerance_rad_per_s" if unit in TO_RAD_PER_S else ZERO: about[ZERO]} if ZERO in about else {}
-    )
+    cell = "zero_tolerance_rad_per_s" if unit in TO_RAD_PER_S else ZERO
+    stated = {cell: about[ZERO]} if ZERO in about else {}
     return tolerances(stated | zero_unstated(stated, unit), unit)
 
 

@@ -80,9 +80,8 @@ def hand_in(kinds: Sequence[str], answers: Mapping[str, Told], folder: Path, spo
     """What is said of the files written into the folder, a line each."""
     told = []
     if not answers and (tables := [f"--{kind}" for kind in kinds if kind != "pdf"]):
-        told.append(
-            f"no {' or '.join(tables)}: this study has no pendulums; its tables are {folder / 'results' / 'tables'}"
-        )
+        place = folder / "results" / "tables"
+        told.append(f"no {' or '.join(tables)}: this study has no pendulums; its tables are {place}")
         kinds = [kind for kind in kinds if kind == "pdf"]
     if "latex" in kinds:
         told.append(f"the table for LaTeX: {write_text(folder / f'{TABLE}.tex', latex(answers, spoken))}")
@@ -210,10 +209,8 @@ def spreadsheet(answers: Mapping[str, Told], path: Path, spoken: Language) -> Pa
         said += [[name, spoken.text(line)] for line in told]
     heads = ["pendulum", "quantity", "value", "standard uncertainty", "unit", "amplitude", "name in files"]
     sheets = {
-        spoken.text("quantities"): pd.DataFrame(rows, columns=[spoken.text(head) for head in heads]),
-        spoken.text("answer"): pd.DataFrame(
-            said, columns=[spoken.text(head) for head in ("pendulum", "answer")]
-        ),
+        spoken.text("quantities"): pd.DataFrame(rows, columns=list(map(spoken.text, heads))),
+        spoken.text("answer"): pd.DataFrame(said, columns=list(map(spoken.text, ("pendulum", "answer")))),
     }
     with written_whole(path) as partial, pd.ExcelWriter(partial, engine="openpyxl") as book:
         for title, table in sheets.items():

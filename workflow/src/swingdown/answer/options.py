@@ -2,31 +2,7 @@
 
 from ..errors import Audience
 
-# The options of the command that stand for a cell.
-CELLS = {
-    "sheet": "--sheet",
-    "time_column": "--time-column",
-    "time_unit": "--time-unit",
-    "rate_hz": "--rate",
-    "signal_column": "--column",
-    "signal_unit": "--unit",
-    "signal_kind": "--kind",
-    "input_column": "--input",
-    "input_kind": "--input-kind",
-    "input_unit": "--input-unit",
-    "input_free": "--input-free",
-    "input_between": "--input-between",
-    "start_s": "--start",
-    "stop_s": "--stop",
-    "counts_per_revolution": "--counts-per-revolution",
-    "scale": "--scale",
-    "zero_tolerance_rad": "--zero-tolerance",
-    "length": "--length",
-    "bob_diameter": "--bob-diameter",
-    "bob_density": "--bob-density",
-    "pivot_distance": "--kater",
-}
-# The arguments of ``read`` that are called otherwise than the cell.
+# The arguments of ``read`` that are called otherwise than the cell; options of the command are called as these are.
 ARGUMENTS = {
     "unit": "signal_unit",
     "column": "signal_column",
@@ -37,7 +13,16 @@ ARGUMENTS = {
     "input": "input_column",
     "zero_tolerance": "zero_tolerance_rad",
 }
-_OF_A_CALL = {cell: f"{name}=" for name, cell in ARGUMENTS.items()} | {"restoring": "restoring="}
+_ARGUMENT = {cell: name for name, cell in ARGUMENTS.items()}
+# The cells that an option of the command stands for.
+_OPTIONS = (
+    "sheet", "time_column", "time_unit", "rate_hz", "signal_column", "signal_unit", "signal_kind", "input_column", "input_kind", "input_unit",
+    "input_free", "input_between", "start_s", "stop_s", "counts_per_revolution", "scale", "zero_tolerance_rad", "length", "bob_diameter",
+    "bob_density",
+)  # fmt: skip
+CELLS = {cell: f"--{_ARGUMENT.get(cell, cell).replace('_', '-')}" for cell in _OPTIONS}
+CELLS["pivot_distance"] = "--kater"
+_OF_A_CALL = {cell: f"{name}=" for cell, name in _ARGUMENT.items()} | {"restoring": "restoring="}
 _ALIKE = ("time_unit", "time_column", "counts_per_revolution", "scale", "length", "run", "sheet")
 
 TO_THE_COMMAND = Audience(CELLS | {"restoring": "--restoring"})

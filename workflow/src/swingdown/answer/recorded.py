@@ -172,11 +172,8 @@ class Recording:
         from ..plots.answer import swings_alone
 
         shown = [shown_with(one, np.full(one.sizes["time"], np.nan)) for one in self.swings]
-        return swings_alone(shown, {"emulated": self._emulated})
-
-    @property
-    def _emulated(self) -> str:
-        return "yes" if any(one.attrs.get("emulated") == "yes" for one in self.swings) else "no"
+        emulated = any(one.attrs.get("emulated") == "yes" for one in self.swings)
+        return swings_alone(shown, {"emulated": "yes" if emulated else "no"})
 
     def _repr_html_(self) -> str:
         heads = ["recording", "samples", "s", "largest"]
@@ -282,9 +279,8 @@ def _taken(row: Mapping[str, Any], path: Path, restoring: str, told: Mapping[str
     found = [one for one in parts if isinstance(one, own.Taken)]
     runs = [str(one.row["run"]) for one in found if "run" in one.row]
     if len(runs) > 1 and "run" not in told:
-        raise InputError(
-            path.name, f"it holds {len(runs)} runs: {', '.join(runs)}", "one run", f"say run={runs[0]!r}"
-        )
+        problem = f"it holds {len(runs)} runs: {', '.join(runs)}"
+        raise InputError(path.name, problem, "one run", f"say run={runs[0]!r}")
     return found
 
 
@@ -312,8 +308,6 @@ def table_of(swings: Sequence[xr.Dataset]) -> pd.DataFrame:
     """The samples of swings as a table, with units in the names of its columns."""
     found = samples_of(swings)
     columns = {"recording": found["recording"].values, "time_s": found["time"].values}
-    columns |= {
-        f"{name}_{'rad' if name == 'angle' else 'rad_per_s'}": one.values
-        for name, one in found.data_vars.items()
-    }
+    units = {"angle": "rad", "rate": "rad_per_s"}
+    columns |= {f"{name}_{units[str(name)]}": one.values for name, one in found.data_vars.items()}
     return pd.DataFrame(columns)

@@ -35,18 +35,11 @@ if TYPE_CHECKING:
     from ..plots.style import Drawn
 
 
-class Begin(NamedTuple):
-    """How a fitted swing begins.
+_WITH_ANGLES = "a swing, turning points, or passages with speeds"
 
-    Attributes
-    ----------
-    time
-        Time of its first sample, in s.
-    angle, velocity
-        Angle (rad) and angular velocity (rad/s) there.
-    duration
-        Its length, in s.
-    """
+
+class Begin(NamedTuple):
+    """How a fitted swing begins: the time (s) of its first sample, angle (rad) and angular velocity (rad/s) there, and its length (s)."""
 
     time: float
     angle: float
@@ -105,7 +98,7 @@ class Answer:
             If only passages without speeds are given.
         """
         if self.fitted_model is None:
-            raise InputError("model", f"the damping is {self.label}", "a swing, turning points, or passages with speeds")  # fmt: skip
+            raise InputError("model", f"the damping is {self.label}", _WITH_ANGLES)
         return self.fitted_model
 
     @property
@@ -152,10 +145,8 @@ class Answer:
 
     @property
     def _as_given(self) -> list[str]:
-        told = [
-            (one.attrs["recording"], one.attrs["remarks"]) for one in self.swings if one.attrs.get("remarks")
-        ]
-        return [f"{name}: {text}" for name, text in told]
+        noticed = [one.attrs for one in self.swings if one.attrs.get("remarks")]
+        return [f"{one['recording']}: {one['remarks']}" for one in noticed]
 
     def with_verdict(self, found: Mapping[str, Any], shown: tuple[Shown, ...] = ()) -> "Answer":
         """The same answer with a verdict.
@@ -170,10 +161,9 @@ class Answer:
         table = self.table.copy().astype(object)
         row = by_verdict(self.table.iloc[-1].to_dict(), found)
         table = pd.concat([table.iloc[:-1], pd.DataFrame([row])], ignore_index=True)
-        searched = (
-            of_verdict(found, self.restoring, self.catalogue) if row.get("model_of") == SEARCH else None
-        )
-        fitted = searched or self.fitted
+        fitted = self.fitted
+        if row.get("model_of") == SEARCH:
+            fitted = of_verdict(found, self.restoring, self.catalogue) or fitted
         return replace(self, verdict=found, shown=shown or self.shown, table=in_order(table), fitted=fitted)
 
     def with_g(self, stated: Mapping[str, Mapping[str, Any]]) -> "tuple[Answer, dict[str, Gravity]]":
@@ -259,11 +249,7 @@ class Answer:
         if what != "swings":
             raise InputError("plot", f"there is no picture {what!r}", "swings, curves or laws")
         if not self.shown:
-            raise InputError(
-                "plot",
-                "passages without speeds hold no angle",
-                "a swing, turning points, or passages with speeds",
-            )
+            raise InputError("plot", "passages without speeds hold no angle", _WITH_ANGLES)
         from ..plots.answer import swings_with_fit
 
         noise = noise_rms(self.verdict) if self.verdict else None
@@ -277,12 +263,10 @@ class Answer:
         pandas.DataFrame
             Columns ``value``, ``u`` (standard uncertainty), ``unit``, ``text`` and ``holds`` (at which amplitude), over ``quantity``.
         """
-        rows = [
-            (one.name, one.value, one.uncertainty, one.unit, one.number, one.condition)
-            for one in quantity_rows(self.row, self.verdict)
-        ]
+        rows = quantity_rows(self.row, self.verdict)
+        told = [(one.name, one.value, one.uncertainty, one.unit, one.number, one.condition) for one in rows]
         columns = ["quantity", "value", "u", "unit", "text", "holds"]
-        return pd.DataFrame(rows, columns=columns).set_index("quantity")
+        return pd.DataFrame(told, columns=columns).set_index("quantity")
 
     def to_xarray(self) -> xr.Dataset:
         """A Dataset of the samples with fit and residual, and of the quantities.
@@ -385,7 +369,7 @@ class Answer:
         dict
             Sentence, quantities with standard uncertainty and unit, model, verdict; what is not known is None.
         """
-        row = self.row
+        row, (residual, unit) = self.row, residual_of(self.row)
         return {
             "sentence": self.sentence,
             "recordings": [str(one.attrs["recording"]) for one in self.swings],
@@ -403,8 +387,8 @@ class Answer:
             "model": self.label,
             "or_models": or_models(row),
             "timed": by_stop_watch(self.shown, self.table),
-            "residual": {"value": finite_or_none(residual_of(row)[0]), "unit": residual_of(row)[1]},
-            "residual_rad": finite_or_none(row["residual_rad"]) if residual_of(row)[1] == "rad" else None,
+            "residual": {"value": finite_or_none(residual), "unit": unit},
+            "residual_rad": finite_or_none(row["residual_rad"]) if unit == "rad" else None,
             "emulated": row["emulated"] == "yes",
             "remarks": self.remarks,
             "verdict": dict(self.verdict) if self.verdict else None,

@@ -46,8 +46,9 @@ def varied(kept: Sequence[Taken], beside: Path | None, by: str) -> Varied:
     """
     column, u = asked(by)
     sheet, groups = from_rows(one.row for one in kept)
-    named, sides, told = from_names({one.row["recording"]: _name(one) for one in kept})
     stems = {one.row["recording"]: Path(one.row["file"]).stem for one in kept}
+    runs = {one.row["recording"]: str(one.row.get("run", "")) for one in kept}
+    named, sides, told = from_names({name: f"{stem} {runs[name]}".strip() for name, stem in stems.items()})
     values, words = from_table(beside, stems) if beside else ({}, {})
     everything, sides = merged(sheet, values, named), merged(groups, words, sides)
     if u:
@@ -68,13 +69,8 @@ def series(answers: Mapping[str, Answer], found: Varied) -> tuple[list[Series], 
         if found.by:
             raise
         return [], [f"no series is made: {problem.problem}"]
-    used = {one.by for one in made}
-    known = set(KNOWN) | {GROUP}
-    return made, [
-        line
-        for line in found.told
-        if made and (line.split(" ", 1)[0] in used or line.split(" ", 1)[0] not in known)
-    ]
+    idle = {*KNOWN, GROUP} - {one.by for one in made}
+    return made, [line for line in found.told if made and line.split(" ", 1)[0] not in idle]
 
 
 def as_cells(kept: Sequence[Taken], made: Sequence[Series]) -> None:
@@ -88,9 +84,8 @@ def as_cells(kept: Sequence[Taken], made: Sequence[Series]) -> None:
             continue
         for point in one.table.to_dict("records"):
             taken = rows[point["recording"]]
-            if taken.row.get(one.by) or (
-                one.by == "length" and "one coordinate" in taken.recording.attrs.get("remarks", "")
-            ):
+            of_angle = one.by == "length" and "one coordinate" in taken.recording.attrs.get("remarks", "")
+            if taken.row.get(one.by) or of_angle:
                 continue
             error = point.get("u_x", 0.0)
             taken.row[one.by] = (
@@ -127,10 +122,6 @@ def _in(line: str, *sources: Mapping[str, Mapping[str, Stated]]) -> bool:
     return any(column in own for source in sources for own in source.values())
 
 
-def _name(one: Taken) -> str:
-    return " ".join([Path(one.row["file"]).stem, str(one.row.get("run", ""))]).strip()
-
-
 def asked(by: str) -> tuple[str, Stated | None]:
     """The column that ``--by`` names, and the standard uncertainty of its values where it says one; InputError for what is none."""
     column, _, rest = re.sub(r"\+/?-", "±", by).partition("±")
@@ -140,9 +131,8 @@ def asked(by: str) -> tuple[str, Stated | None]:
     found = read(rest)
     known = found.of(KNOWN.get(column, found.unit)) if found else None
     if known is None or not known.value > 0:
-        raise InputError(
-            f"--by {by}", f"{rest!r} is no uncertainty of {column}", "as length±1mm", "correct it"
-        )
+        problem = f"{rest!r} is no uncertainty of {column}"
+        raise InputError(f"--by {by}", problem, "as length±1mm", "correct it")
     return column, known
 
 

@@ -74,34 +74,18 @@ def simulate(
         known = known.driven_by(drive)
     if values:
         units = known.units
-        told = {
-            name: array_units.value(one, units[name], name) if name in units else one
-            for name, one in values.items()
-        }
-        known = known.with_values({**known.values, **told}, known.standard_errors)
+        told = {name: array_units.value(values[name], units[name], name) for name in values if name in units}
+        known = known.with_values({**known.values, **values, **told}, known.standard_errors)
     return swing_of(known, times, (None, angle, velocity), noise, seed)
 
 
 def swing_of(
     model: Model, times: Any, begin: tuple[float | None, Any, float], noise: float, seed: int
 ) -> xr.DataArray:
-    """The swing of a model as a DataArray over ``time`` (s).
+    """The swing of a model with its values as a DataArray over ``time`` (s), at ``times`` (s).
 
-    Parameters
-    ----------
-    model
-        The model with its values.
-    times
-        Times in s.
-    begin
-        Time (s; None: the first of ``times``), angle (rad) and angular velocity (rad/s) of the start.
-    noise, seed
-        As in ``simulate``.
-
-    Raises
-    ------
-    InputError
-        If times precede the start, or no pendulum moves so.
+    ``begin``: time (s; None: the first of ``times``), angle (rad) and angular velocity (rad/s) of the start; ``noise`` and ``seed`` as in
+    ``simulate``. InputError if times precede the start, or no pendulum moves so.
     """
     at = array_units.times(times)
     since, angle, velocity = begin
@@ -115,19 +99,13 @@ def swing_of(
     if not noise >= 0:
         raise InputError("noise", f"{noise!r}", "a standard deviation, 0 or more")
     before = at.size and since is not None and since < at[0]
+    clock = np.concatenate([[since], at]) if before else at
+    speed = array_units.value(velocity, "rad/s", "velocity")
     try:
-        read = trajectory(
-            model,
-            np.concatenate([[since], at]) if before else at,
-            start,
-            array_units.value(velocity, "rad/s", "velocity"),
-        )
+        read = trajectory(model, clock, start, speed)[clock.size - at.size :]
     except TrajectoryError as problem:
-        raise InputError(
-            "model", str(problem), "values of a pendulum that swings back and forth"
-        ) from problem
-    if before:
-        read = read[1:]
+        expected = "values of a pendulum that swings back and forth"
+        raise InputError("model", str(problem), expected) from problem
     if noise:
         read = read + noise * np.random.default_rng(seed).standard_normal(read.size)
     unit = READINGS[model.reading]

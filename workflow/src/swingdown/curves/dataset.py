@@ -15,7 +15,7 @@ from ..measurement.slack import of_angles
 from ..pendulum.model import Model
 from ..pendulum.slack import Slack
 from ..studies.amplitudes import HalfSwings, half_swings_of
-from .free import Free, free
+from .free import free
 from .misfit import with_discrepancy
 
 SOURCES = ("free", "model", "alone")
@@ -64,12 +64,8 @@ class Band(NamedTuple):
             ends = np.sort([function(self.value + sign * self.factor * self.u) for sign in (1, -1)], axis=0)
             u = np.abs(function(self.value + self.u / 10) - function(self.value - self.u / 10)) * 5
         # where a loss may be none at all, a quality may be as high as one likes
-        crossed = (
-            (self.value - self.factor * self.u <= 0)
-            & (ends[0] < 0)
-            & (value > 0)
-            & (function(np.array([1e-9]))[0] > 1)
-        )
+        crossed = (self.value - self.factor * self.u <= 0) & (ends[0] < 0) & (value > 0)
+        crossed &= function(np.array([1e-9]))[0] > 1
         ends = np.where(crossed, [np.where(ends[1] > 0, ends[1], ends[0]), np.full(value.size, np.inf)], ends)
         return value, u, ends[0], ends[1]
 
@@ -120,7 +116,12 @@ def curves(
     speed = np.linspace(0.0, found.scale * float(found.ideal.speed(np.array([found.high]))[0]), _POINTS)
     # at the middle a torque's share of the ideal one is asked beside it
     inside = np.maximum(angle, 1e-3 * found.high)
-    own = _of_free(found, amplitude, inside, speed)
+    own = {
+        "period": Band(*found.period_at(amplitude)),
+        "loss": Band(*found.loss_at(amplitude)),
+        "restoring": Band(*found.restoring_at(inside)),
+        "friction": Band(*found.friction_at(speed)),
+    }
     beside = alone = {name: _bandless(np.full_like(one.value, np.nan)) for name, one in own.items()}
     if model is not None:
         known = with_discrepancy(found, model, covariance, amplitude, inside, speed)
@@ -132,14 +133,13 @@ def curves(
     variables |= _single(swings, scale)
     coordinates = {
         "source": ("source", list(SOURCES)),
-        "amplitude": ("amplitude", amplitude * scale, {"units": unit, "long_name": "amplitude"}),
-        "angle": ("angle", angle, {"units": "rad", "long_name": "angle from the middle"}),
-        "speed": ("speed", speed, {"units": "rad/s", "long_name": "speed"}),
+        "amplitude": variable("amplitude", amplitude * scale, "amplitude", unit),
+        "angle": variable("angle", angle, "angle from the middle", "rad"),
+        "speed": variable("speed", speed, "speed", "rad/s"),
     }
-    about = angles[0].attrs
     emulated = any(str(one.attrs.get("emulated", "no")) == "yes" for one in angles)
     attrs = {
-        "campaign": str(about.get("campaign", "")),
+        "campaign": str(angles[0].attrs.get("campaign", "")),
         "emulated": "yes" if emulated else "no",
         "restoring": restoring,
         "model": model.label if model else "",
@@ -157,15 +157,6 @@ def _reading(angle: xr.Dataset) -> tuple[float, str]:
 
 def _bandless(value: Floats) -> Band:
     return Band(value, *[np.full_like(value, np.nan)] * 2)
-
-
-def _of_free(found: Free, amplitude: Floats, angle: Floats, speed: Floats) -> dict[str, Band]:
-    return {
-        "period": Band(*found.period_at(amplitude)),
-        "loss": Band(*found.loss_at(amplitude)),
-        "restoring": Band(*found.restoring_at(angle)),
-        "friction": Band(*found.friction_at(speed)),
-    }
 
 
 def _with_clock(bands: Mapping[str, Band], slack: Slack, inside: Floats) -> dict[str, Band]:
@@ -196,9 +187,8 @@ def _by_source(bands: Sequence[Mapping[str, Band]], scaled: bool) -> dict[str, A
         for name, function in _OF_LOSS.items():
             columns[name].append(one["loss"].through(function))
         for name in ("restoring", "friction"):
-            columns[name].append(
-                plain[name] if scaled else tuple(np.full_like(part, np.nan) for part in plain[name])
-            )
+            unknown = tuple(np.full_like(part, np.nan) for part in plain[name])
+            columns[name].append(plain[name] if scaled else unknown)
     variables: dict[str, Any] = {}
     for name, (against, unit, words) in CURVES.items():
         for k, (ending, more) in enumerate(_ENDINGS.items()):
@@ -218,10 +208,7 @@ _ENDINGS = {
 def _single(swings: Sequence[HalfSwings], scale: float) -> dict[str, Any]:
     """The swings as they were measured: recording, amplitude, period and loss, each with its standard uncertainty."""
     parts = [_measured(one) for one in swings]
-    names = np.concatenate(
-        [np.full(len(one), swing.recording) for one, swing in zip(parts, swings, strict=True)]
-    )
-    table = np.vstack(parts)
+    names, table = np.repeat([one.recording for one in swings], list(map(len, parts))), np.vstack(parts)
     words = {
         "swing_amplitude": ("rad", "amplitude of a swing"),
         "swing_period": ("s", "period of a swing"),

@@ -4,12 +4,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from ..arrays import Floats
 from ..errors import InputError
 from ..studies.amplitudes import HalfSwings
 from .regression import Banded, Design, Posterior, Prior, regression
-from .second_order import Beyond, Course, Early, Table
+from .second_order import Course, Early, Table, beyond_of, none_beyond
 from .torques import Basis, Ideal, beyond_durations, durations, friction, losses, stiffness
 
 FEWEST = 8  # half-swings
@@ -20,6 +21,8 @@ _PART = 1e-3  # of an amplitude, for differences
 _FEWEST_MARKS = 6
 OF_STIFFNESS = 0.1  # of the restoring torque: what a law of its deviation may be a few times of
 LEAST_LOSS, LEAST_STIFFNESS = 3e-3, 1e-6  # of the smooth curve that no law has, over the laws
+
+_Each = Sequence[Floats]  # one a recording
 
 
 @dataclass(frozen=True)
@@ -34,7 +37,7 @@ class Free:
     stiffness: Basis
     loss: Posterior
     period: Posterior | None
-    beyond: Beyond
+    beyond: Table
     passages: bool
     scale: float
     courses: tuple[Course, ...]
@@ -46,7 +49,7 @@ class Free:
     def loss_at(self, amplitude: Floats) -> Banded:
         """What a half-swing takes from the logarithm of the amplitude (rad)."""
         value, u, factor = self.loss.band(losses(self.ideal, self.friction, amplitude))
-        return value + self.beyond.table.at(amplitude)[:, 0], u, factor
+        return value + self.beyond.at(amplitude)[:, 0], u, factor
 
     def period_at(self, amplitude: Floats) -> Banded:
         """The period (s) at these amplitudes (rad); nan where nothing is timed."""
@@ -55,10 +58,9 @@ class Free:
         rows = durations(self.ideal, self.stiffness, amplitude)
         share, u, factor = self.period.band(rows, self.period_off(amplitude))
         usual = 2 * np.pi / self.scale * self.ideal.lengthening(amplitude)
-        share = share + self.beyond.table.at(amplitude)[:, 2 if self.passages else 1]
-        share = share + beyond_durations(
-            self.ideal, self.stiffness, self.period.mean[: rows.shape[1]], amplitude
-        )
+        share = share + self.beyond.at(amplitude)[:, 2 if self.passages else 1]
+        told = self.period.mean[: rows.shape[1]]
+        share = share + beyond_durations(self.ideal, self.stiffness, told, amplitude)
         return usual * (1 + share), usual * u, factor
 
     def period_off(self, amplitude: Floats) -> Floats:
@@ -73,10 +75,8 @@ class Free:
 
     def amplitude_error(self, amplitude: Floats) -> Floats:
         """The standard uncertainty of the logarithm of these amplitudes (rad), where they stand for those of the recordings."""
-        variance = [
-            np.interp(-np.log(amplitude), -np.log(one.amplitude), error**2)
-            for one, error in zip(self.courses, self.course_errors, strict=True)
-        ]
+        each, at = zip(self.courses, self.course_errors, strict=True), -np.log(amplitude)
+        variance = [np.interp(at, -np.log(one.amplitude), error**2) for one, error in each]
         return np.sqrt(np.mean(variance, axis=0) / len(variance))
 
     def restoring_at(self, angle: Floats) -> Banded:
@@ -87,10 +87,9 @@ class Free:
         # where in a swing friction acts matters to the period as the square of the loss
         inside = np.clip(angle, self.low, self.high)
         loss = self.loss_at(inside)[0]
-        more, own = self.early.stiffer(loss, self.beyond.table.at(inside)[:, 3])
-        share, u, factor = self.period.band(
-            self.stiffness.at(angle), np.hypot(own, self.restoring_off(angle))
-        )
+        more, own = self.early.stiffer(loss, self.beyond.at(inside)[:, 3])
+        off = np.hypot(own, self.restoring_off(angle))
+        share, u, factor = self.period.band(self.stiffness.at(angle), off)
         return usual * (1 + share + more), usual * u, factor
 
     def friction_at(self, speed: Floats) -> Banded:
@@ -110,45 +109,30 @@ def free(swings: Sequence[HalfSwings], restoring: str = "sine") -> Free:
     """
     swings = [one for one in swings if one.angle.size >= _LEAST] or swings[:1]
     if sum(one.angle.size for one in swings) < FEWEST:
-        raise InputError(
-            swings[0].recording if len(swings) == 1 else "recordings",
-            f"{sum(one.angle.size for one in swings)} half-swings above the noise",
-            f"at least {FEWEST}",
-            "record longer",
-        )
+        where = swings[0].recording if len(swings) == 1 else "recordings"
+        problem = f"{sum(one.angle.size for one in swings)} half-swings above the noise"
+        raise InputError(where, problem, f"at least {FEWEST}", "record longer")
     ideal = Ideal(restoring if all(one.scaled for one in swings) else "linear")
     courses = [_first_course(one) for one in swings]
-    before: Beyond | None = None
+    before: Table | None = None
     for _ in range(_ROUNDS):
         every = np.concatenate([one.amplitude for one in courses])
         low, high = float(every.min()), float(every.max())
         table = np.geomspace(low * 0.98, _beyond(high, ideal, swings[0].recording), _TABLE)
         basis = friction(ideal, every)
-        rows = losses(ideal, basis, table)
-        beyond = Beyond.none(table) if before is None else before
+        unknown = Table(table, losses(ideal, basis, table))
+        beyond = none_beyond(table) if before is None else before
         prior = Prior.enough(len(basis.powers), basis.nodes, typical_of(courses), LEAST_LOSS)
-        loss = of_losses(swings, courses, beyond.table, Table(table, rows), prior)
-        before = beyond = Beyond.of(ideal, basis, loss, table)
-        courses = _courses(swings, courses, Table(table, rows), beyond, loss)
-    errors = _course_errors(swings, courses, Table(table, rows), loss)
+        loss = of_losses(swings, courses, beyond, unknown, prior)
+        before = beyond = beyond_of(ideal, basis, loss, table)
+        courses = _courses(swings, courses, unknown, beyond, loss)
+    errors = _course_errors(swings, courses, unknown, loss)
     shape = stiffness(every)
     scale, period = _period(swings, courses, ideal, beyond, shape, table)
-    return Free(
-        tuple(swings),
-        ideal,
-        basis,
-        shape,
-        loss,
-        period,
-        beyond,
-        all(one.passages for one in swings),
-        scale,
-        tuple(courses),
-        errors,
-        low,
-        high,
-        _early(swings, Table(table, rows), beyond, loss, scale),
-    )
+    passages = all(one.passages for one in swings)
+    early = _early(swings, unknown, beyond, loss, scale)
+    told = loss, period, beyond, passages, scale
+    return Free(tuple(swings), ideal, basis, shape, *told, tuple(courses), errors, low, high, early)
 
 
 def _beyond(high: float, ideal: Ideal, recording: str) -> float:
@@ -156,12 +140,9 @@ def _beyond(high: float, ideal: Ideal, recording: str) -> float:
     if ideal.restoring == "linear":
         return high * 1.02
     if high >= np.pi:
-        raise InputError(
-            recording,
-            f"its swings reach {np.degrees(high):.3g}°",
-            "swings to less than 180°",
-            "correct its unit; for a wheel on a spring write ⟨restoring=linear⟩",
-        )
+        told = f"its swings reach {np.degrees(high):.3g}°", "swings to less than 180°"
+        mend = "correct its unit; for a wheel on a spring write ⟨restoring=linear⟩"
+        raise InputError(recording, *told, mend)
     return min(high * 1.02, ideal.widest(high))
 
 
@@ -182,17 +163,6 @@ def typical_of(courses: Sequence[Course]) -> float:
     halves = sum(one.number[-1] - one.number[0] for one in courses)
     size = float(np.exp(np.mean(np.concatenate([np.log(one.amplitude) for one in courses]))))
     return max(2 / np.pi * lost / max(halves, 1.0), 1e-9) * size
-
-
-def _besides(columns: Sequence[Floats]) -> Floats:
-    """What of each recording alone is unknown, as blocks beside each other (observation, unknown)."""
-    sizes = [one.shape[1] for one in columns]
-    whole = np.zeros((sum(len(one) for one in columns), sum(sizes)))
-    row, place = 0, 0
-    for one in columns:
-        whole[row : row + len(one), place : place + one.shape[1]] = one
-        row, place = row + len(one), place + one.shape[1]
-    return whole
 
 
 def of_losses(
@@ -237,22 +207,17 @@ def _own(one: HalfSwings, side: Floats) -> list[Floats]:
     return [np.ones(side.size), *([side, side * drift] if one.both else [])]
 
 
-def _twice(
-    observed: Sequence[Floats],
-    error: Sequence[Floats],
-    summed: Sequence[Floats],
-    own: Sequence[Floats],
-    prior: Prior,
-) -> Posterior:
+def _twice(observed: _Each, error: _Each, summed: _Each, own: _Each, prior: Prior) -> Posterior:
     """The ``Posterior`` with the errors as large as a first one tells, so that the sizes of laws and curve are over the right noise."""
     sums, stated, values = np.vstack(summed), np.concatenate(error), np.concatenate(observed)
-    design = Design(sums[:, : prior.laws], sums[:, prior.laws :], _besides(own))
+    # what of each recording alone is unknown stands as blocks beside each other
+    design = Design(sums[:, : prior.laws], sums[:, prior.laws :], block_diag(*own))
     first = regression(values, stated, design, prior)
     return regression(values, stated * first.noise, design, prior)
 
 
 def _courses(
-    swings: Sequence[HalfSwings], courses: Sequence[Course], table: Table, beyond: Beyond, loss: Posterior
+    swings: Sequence[HalfSwings], courses: Sequence[Course], table: Table, beyond: Table, loss: Posterior
 ) -> list[Course]:
     """The courses as the regression smooths them."""
     size_of = table.rows.shape[1]
@@ -260,7 +225,7 @@ def _courses(
     for one, course in zip(swings, courses, strict=True):
         begin = loss.mean[place]
         place += 3 if one.both else 1
-        lost = table.summed(course) @ loss.mean[:size_of] + beyond.table.summed(course)[:, 0]
+        lost = table.summed(course) @ loss.mean[:size_of] + beyond.summed(course)[:, 0]
         amplitude = np.exp(begin - lost)
         size = np.abs(one.angle)
         found.append(Course(course.number, np.clip(amplitude, 0.5 * size.min(), 1.5 * size.max())))
@@ -285,7 +250,7 @@ def _period(
     swings: Sequence[HalfSwings],
     courses: Sequence[Course],
     ideal: Ideal,
-    beyond: Beyond,
+    beyond: Table,
     shape: Basis,
     amplitude: Floats,
 ) -> tuple[float, Posterior | None]:
@@ -313,9 +278,7 @@ def timed_of(swings: Sequence[HalfSwings], courses: Sequence[Course]) -> list[tu
     return [(one, course) for one, course in timed if one.mark.size >= _FEWEST_MARKS]
 
 
-def _early(
-    swings: Sequence[HalfSwings], table: Table, beyond: Beyond, loss: Posterior, scale: float
-) -> Early:
+def _early(swings: Sequence[HalfSwings], table: Table, beyond: Table, loss: Posterior, scale: float) -> Early:
     """How early turning points are."""
     found = []
     for one in swings:
@@ -326,9 +289,9 @@ def _early(
         number, size = one.number[kept], np.abs(one.angle[kept])
         ends = [one.mark[np.searchsorted(one.at, number + side)] for side in (-0.5, 0.5)]
         lead = scale * ((ends[0] + ends[1]) / 2 - one.times[kept])
-        lost = table.at(size) @ loss.mean[: table.rows.shape[1]] + beyond.table.at(size)[:, 0]
+        lost = table.at(size) @ loss.mean[: table.rows.shape[1]] + beyond.at(size)[:, 0]
         # the time of a turning point is known in proportion to its amplitude
-        found.append(size * np.vstack([lead - beyond.table.at(size)[:, 4], lost]))
+        found.append(size * np.vstack([lead - beyond.at(size)[:, 4], lost]))
     lead, lost = np.hstack(found) if found else np.zeros((2, 0))
     power = float(lost @ lost)
     if lead.size < _FEWEST_MARKS or not power > 0:
@@ -349,10 +312,10 @@ def marked(one: HalfSwings, course: Course, table: Table) -> Floats:
     return _summed(one, table.at(_midway(one, course)))
 
 
-def _ideal_marks(one: HalfSwings, course: Course, ideal: Ideal, beyond: Beyond) -> Floats:
+def _ideal_marks(one: HalfSwings, course: Course, ideal: Ideal, beyond: Table) -> Floats:
     """The time of each mark after the first, times the frequency of small swings, under the ideal torque and the friction that is known."""
     size = _midway(one, course)
-    each = np.pi * ideal.lengthening(size) * (1 + beyond.table.at(size)[:, 2 if one.passages else 1])
+    each = np.pi * ideal.lengthening(size) * (1 + beyond.at(size)[:, 2 if one.passages else 1])
     return _summed(one, each[:, np.newaxis])[:, 0]
 
 
@@ -362,6 +325,5 @@ def _midway(one: HalfSwings, course: Course) -> Floats:
 
 
 def _summed(one: HalfSwings, each: Floats) -> Floats:
-    return np.vstack([np.zeros(each.shape[1]), np.cumsum(each, axis=0)])[
-        np.round(one.at - one.at[0]).astype(int)
-    ]
+    sums = np.vstack([np.zeros(each.shape[1]), np.cumsum(each, axis=0)])
+    return sums[np.round(one.at - one.at[0]).astype(int)]

@@ -106,10 +106,8 @@ def exponential(found: Sequence[Laws]) -> tuple[str, float, str]:
 
     It is the best of the laws that a first answer is chosen from; where the decay is not exponential, the one that it names.
     """
-    each = [
-        {one.label: one for one in own.laws if one.label in (*own.chosen_from, *_EXPONENTIAL)}
-        for own in found
-    ]
+    asked = [[one for one in own.laws if one.label in (*own.chosen_from, *_EXPONENTIAL)] for own in found]
+    each = [{one.label: one for one in own} for own in asked]
     everywhere = [label for label in each[0] if all(label in own for own in each)]
     bic = {label: sum(own[label].bic for own in each) for label in everywhere}
     best = min(bic, key=lambda label: bic[label])
@@ -130,21 +128,8 @@ def laws(
 ) -> Laws:
     """The ``Laws`` of an angle dataset, sampled or of turning points.
 
-    Parameters
-    ----------
-    angle
-        The angle dataset.
-    known
-        Fits of ``studies.experiment.fit_recording`` to it (fitted, parameter), from which these start.
-    restoring
-        ``sine`` or ``linear``.
-    catalogue
-        The effects.
-
-    Raises
-    ------
-    InputError
-        For passages without speeds, and for a swing too short to fit.
+    They start from the ``known`` fits of ``studies.experiment.fit_recording`` to it (fitted, parameter); ``restoring`` is ``sine`` or
+    ``linear``, ``catalogue`` has the effects. InputError for passages without speeds, and for a swing too short to fit.
     """
     asked = everyday(restoring) if known is None else as_text(known["fitted"])
     chosen_from = tuple(asked) if known is None else usable(known, catalogue)
@@ -210,11 +195,9 @@ def _fits(models: Sequence[Model], swings: Mapping[str, Swing], known: xr.Datase
             start = SwingStart(at, row["release_angle"], row["release_velocity"])
             guesses.insert(0, Begin(model, (start,)))
         for guess in guesses:  # within its bounds a law may have no trajectory where it ended without
-            new = guess is None
+            new, swing = guess is None, [swings[model.label]]
             with suppress(TrajectoryError):
-                return fit_jointly(
-                    model, [swings[model.label]], guess=guess, seen=new, grown=new, bounded=True
-                )
+                return fit_jointly(model, swing, guess=guess, seen=new, grown=new, bounded=True)
         return None
 
     return [one for one in fit_nested(models, fit) if one is not None]
@@ -258,24 +241,12 @@ def _motion(fit: Fit, times: Floats) -> tuple[float, float]:
 def _of_points(angle: xr.Dataset, models: Sequence[Model], chosen_from: tuple[str, ...]) -> Laws:
     name = str(angle.attrs["recording"])
     if angle.attrs["points"] == PASSED:
-        raise InputError(
-            f"recording {name}",
-            "passages without speeds hold no damping",
-            "amplitudes or samples of the motion",
-            "record the motion itself",
-        )
-    fits = [fit for fit in fits_of(angle, models) if fit is not None]
-    found = [
-        Law(
-            fit.model.label,
-            len(fit.free),
-            float(np.sqrt(fit.rss[1] / fit.angles.size)),
-            np.nan,
-            fit.bic,
-            fit.angles,
-        )
-        for fit in fits
-    ]
+        told = "passages without speeds hold no damping", "amplitudes or samples of the motion"
+        raise InputError(f"recording {name}", *told, "record the motion itself")
+    fits, found = [fit for fit in fits_of(angle, models) if fit is not None], []
+    for fit in fits:
+        rms = float(np.sqrt(fit.rss[1] / fit.angles.size))
+        found.append(Law(fit.model.label, len(fit.free), rms, np.nan, fit.bic, fit.angles))
     scatter = min(fits, key=lambda fit: fit.bic).scatter[1]
     series = angle["time"].values, angle["angle"].values
     return Laws(name, tuple(found), scatter, *series, points=True, chosen_from=chosen_from)
@@ -353,23 +324,9 @@ def _change(curves: xr.Dataset | None) -> str:
 def envelopes(found: Sequence[Laws], curves: xr.Dataset | None = None, emulated: str = "no") -> xr.Dataset:
     """The amplitudes of the turning points of a pendulum's largest swing, what the laws make of them, and whether the decay is exponential.
 
-    Parameters
-    ----------
-    found, curves
-        As of ``exponential_words``.
-    emulated
-        ``yes`` or ``no``.
-
-    Returns
-    -------
-    xarray.Dataset
-        Amplitudes (rad; of an angular rate rad/s) over ``time`` (s), and over ``law`` and ``time`` those of each single law and of that which
-        the sentence names (``best``).
-
-    Raises
-    ------
-    InputError
-        If there are too few turning points.
+    A Dataset of amplitudes (rad; of an angular rate rad/s) over ``time`` (s), and over ``law`` and ``time`` those of each single law and of
+    that which the sentence names (``best``). ``found`` and ``curves`` are as of ``exponential_words``, ``emulated`` is ``yes`` or ``no``.
+    InputError if there are too few turning points.
     """
     best, own = exponential(found)[2], max(found, key=lambda one: float(np.ptp(one.series)))
     shown = [one for one in own.laws if one.label in (*_SINGLE, best)]
@@ -381,14 +338,12 @@ def envelopes(found: Sequence[Laws], curves: xr.Dataset | None = None, emulated:
         when, size = measured.times, np.abs(measured.angle)
         fitted = [_envelope(own, one, when) for one in shown]
     about = {"best": best, "said": exponential_words(found, curves), "emulated": emulated, "recording": own.recording}  # fmt: skip
-    return xr.Dataset(
-        {
-            "amplitude": variable("time", size, "measured amplitude", own.unit),
-            "fitted": variable(("law", "time"), np.array(fitted), "amplitude of a law", own.unit),
-        },
-        {"law": ("law", [one.label for one in shown]), "time": variable("time", when, "time", "s")},
-        about,
-    )
+    variables = {
+        "amplitude": variable("time", size, "measured amplitude", own.unit),
+        "fitted": variable(("law", "time"), np.array(fitted), "amplitude of a law", own.unit),
+    }
+    coords = {"law": ("law", [one.label for one in shown]), "time": variable("time", when, "time", "s")}
+    return xr.Dataset(variables, coords, about)
 
 
 def _envelope(found: Laws, law: Law, when: Floats) -> Floats:

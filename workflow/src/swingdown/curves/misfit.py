@@ -49,24 +49,14 @@ def with_discrepancy(
 ) -> dict[str, Known]:
     """Period (s) and loss of the logarithm of the amplitude in a half-swing of a model, its restoring torque and friction (rad/s²).
 
-    Parameters
-    ----------
-    found
-        What the same half-swings tell free of it.
-    model, covariance
-        With values, and of its parameters; None where nothing is known of them but the values.
-    amplitude, angle, speed
-        Where the curves are asked for, in rad, rad (none is zero) and rad/s.
-
-    Returns
-    -------
-    dict
-        ``period`` and ``loss`` over the amplitude, ``restoring`` over the angle, ``friction`` over the speed; nan where the model does not
-        swing, and of what nothing timed tells.
+    By name: ``period`` and ``loss`` over the amplitude, ``restoring`` over the angle, ``friction`` over the speed; nan where the model does
+    not swing, and of what nothing timed tells. ``found`` is what the same half-swings tell free of the model, which has values; ``covariance``
+    that of its parameters, None where nothing is known of them but the values. The curves are asked for at these amplitudes (rad), angles
+    (rad; none is zero) and speeds (rad/s).
     """
     grid = np.geomspace(found.low, found.high, _GRID)
     inverse, spread = _friction_of(found, grid)
-    beyond = found.beyond.table.at(grid)[:, 0]
+    beyond = found.beyond.at(grid)[:, 0]
     fast = found.friction.at(speed / found.scale) * found.scale**2
 
     def elsewhere(one: Model, loss: Floats) -> Floats:
@@ -78,9 +68,8 @@ def with_discrepancy(
         loss, period = (_filled(grid, part) for part in course.at(grid))
         torque, middle = static(one), resting(one)
         pull = (torque(middle - angle) - torque(middle + angle)) / 2
-        return np.concatenate(
-            [period, loss, pull, drag(one)(speed) + fast @ (inverse @ elsewhere(one, loss))]
-        )
+        slow = drag(one)(speed) + fast @ (inverse @ elsewhere(one, loss))
+        return np.concatenate([period, loss, pull, slow])
 
     def derived(one: Model) -> Floats:
         return of(one, course_of(one, found.low, found.high, found.passages, _DIFFERENCES))
@@ -90,14 +79,8 @@ def with_discrepancy(
     at = [model.parameters.index(name) for name in bare.parameters]
     known = np.zeros((len(at), len(at))) if covariance is None else covariance[np.ix_(at, at)]
     whole = of(bare, course)
-    sizes = {
-        "period": amplitude.size,
-        "loss": amplitude.size,
-        "restoring": angle.size,
-        "friction": speed.size,
-    }
-    none = {name: np.full(size, np.nan) for name, size in sizes.items()}
-    nothing = {name: Known(one, one, one, one) for name, one in none.items()}
+    over = {"period": amplitude, "loss": amplitude, "restoring": angle, "friction": speed}
+    nothing = {name: Known(*[np.full(one.size, np.nan)] * 4) for name, one in over.items()}
     effects = effects_on(derived, bare, known) * _WIDER / SHARE
     if not (np.isfinite(whole).all() and np.isfinite(effects).all()):
         return nothing
@@ -107,12 +90,9 @@ def with_discrepancy(
     # what is no friction of speed alone leaves that one as open as is its share
     rest = np.abs(elsewhere(bare, loss.alone)).sum() / np.abs(loss.alone).sum()
     spread = min(rest, 1.0) ** 2 * spread
-    over = np.where(np.isfinite(course.at(amplitude)[0]), amplitude, np.nan)
-    return (
-        nothing
-        | _taken(found, grid, loss, friction, over, (fast, spread))
-        | _timed(found, grid, period, restoring, over, angle)
-    )
+    known_at = np.where(np.isfinite(course.at(amplitude)[0]), amplitude, np.nan)
+    taken = _taken(found, grid, loss, friction, known_at, (fast, spread))
+    return nothing | taken | _timed(found, grid, period, restoring, known_at, angle)
 
 
 class _Part(NamedTuple):

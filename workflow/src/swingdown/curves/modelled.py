@@ -90,10 +90,8 @@ class Course(NamedTuple):
         if self.amplitude.size < 4:
             return np.full(amplitude.size, np.nan), np.full(amplitude.size, np.nan)
         loss = CubicSpline(np.log(self.amplitude), np.log(self.loss), extrapolate=False)
-        longer = self.ideal.lengthening
-        period = CubicSpline(
-            self.period_amplitude, self.period / longer(self.period_amplitude), extrapolate=False
-        )
+        longer, at = self.ideal.lengthening, self.period_amplitude
+        period = CubicSpline(at, self.period / longer(at), extrapolate=False)
         return np.exp(loss(np.log(amplitude))), period(amplitude) * longer(amplitude)
 
 
@@ -188,35 +186,22 @@ def _zeros(times: Floats, values: Floats) -> Floats:
 def effects_on(derived: Callable[[Model], Floats], model: Model, covariance: Floats) -> Floats:
     """What independent errors of a model's parameters, each of its standard uncertainty, do to what is derived from it (JCGM 100, 5.2).
 
-    Parameters
-    ----------
-    derived
-        From a model to an array of shape (quantity,).
-    model
-        With values.
-    covariance
-        Of its parameters, of shape (parameter, parameter); nan counts as known.
-
-    Returns
-    -------
-    numpy.ndarray
-        Of shape (quantity, error): times its transpose it is the covariance of the quantities.
+    An array (quantity, error), which times its transpose is the covariance of the quantities. ``derived`` goes from a model to an array
+    (quantity,), ``model`` has values, and ``covariance`` (parameter, parameter) is that of its parameters; nan counts as known.
     """
     values = np.array(model.vector())
     known = np.where(np.isfinite(covariance), covariance, 0.0)
     loose = np.flatnonzero(np.diag(known) > 0)
     errors = np.sqrt(np.diag(known))[loose]
+
+    def at(values: Floats) -> Floats:
+        return derived(model.with_values(dict(zip(model.parameters, map(float, values), strict=True))))
+
     slopes = []
     for k, error in zip(loose, errors, strict=True):
         step = np.zeros(values.size)
         step[k] = _STEP * error
-        ends = [
-            derived(
-                model.with_values(dict(zip(model.parameters, map(float, values + sign * step), strict=True)))
-            )
-            for sign in (1, -1)
-        ]
-        slopes.append((ends[0] - ends[1]) / (2 * _STEP))
+        slopes.append((at(values + step) - at(values - step)) / (2 * _STEP))
     if not slopes:
         return np.zeros((derived(model).size, 0))
     sizes, directions = np.linalg.eigh(known[np.ix_(loose, loose)] / np.outer(errors, errors))

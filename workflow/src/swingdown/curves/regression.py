@@ -125,9 +125,8 @@ def regression(observed: Floats, error: Floats, design: Design, prior: Prior) ->
     whole[..., :first, :first] *= prior.scale * SHARE
     shares = prior.scale * np.repeat(prior.sizes, [size - prior.nodes.size, prior.nodes.size], axis=1)
     whole[..., first : first + size, first : first + size] = shares[..., np.newaxis] * roots[:, np.newaxis]
-    likelihood, means, covariances, variances, frees = _each(
-        gram, right, power, whole.reshape(-1, *gram.shape), first + size, freedom
-    )
+    cases = whole.reshape(-1, *gram.shape)
+    likelihood, means, covariances, variances, frees = _each(gram, right, power, cases, first + size, freedom)
     likelihood += np.log(np.tile(prior.odds, len(_WIDTHS)))
     weights = np.exp(likelihood - logsumexp(likelihood))
     mean = weights @ means
@@ -138,12 +137,9 @@ def regression(observed: Floats, error: Floats, design: Design, prior: Prior) ->
     residual = target - columns @ mean
     slow = _slow(residual)
     likely = weights > _UNLIKELY
-    cases = (
-        weights[likely] / weights[likely].sum(),
-        mean + np.sqrt(slow) * away[likely],
-        slow * covariances[likely],
-    )
-    return Posterior(mean, slow * covariance, free, residual, noise, cases)
+    odds, centres = weights[likely] / weights[likely].sum(), mean + np.sqrt(slow) * away[likely]
+    mixture = odds, centres, slow * covariances[likely]
+    return Posterior(mean, slow * covariance, free, residual, noise, mixture)
 
 
 def kernel(nodes: Floats, width: float) -> Floats:
@@ -173,13 +169,8 @@ def _each(
     likelihood = -logarithms - 0.5 * freedom * np.log(variance)
     covariances = np.swapaxes(inverse, 1, 2) @ inverse
     used = np.einsum("kij,kji->k", covariances, inside) - (len(gram) - known)
-    return (
-        likelihood,
-        means,
-        variance[:, np.newaxis, np.newaxis] * (back @ np.swapaxes(back, 1, 2)),
-        variance,
-        freedom - used,
-    )
+    covariances = variance[:, np.newaxis, np.newaxis] * (back @ np.swapaxes(back, 1, 2))
+    return likelihood, means, covariances, variance, freedom - used
 
 
 def _slow(residual: Floats) -> float:

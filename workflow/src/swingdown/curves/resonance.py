@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from scipy.special import jv
 
 from ..arrays import Floats
+from ..dataset import variable
 from ..errors import InputError
 
 KINDS = ("torque", "pivot")
@@ -53,15 +54,10 @@ def resonance(curves: xr.Dataset, drive: ArrayLike | None = None, kind: str = "t
     """
     if kind not in KINDS:
         raise InputError("argument kind", f"unknown kind {kind!r}", " or ".join(KINDS), "correct it")
-    if (
-        curves["amplitude"].attrs["units"] != "rad"
-        or not np.isfinite(curves["period"].sel(source="free")).any()
-    ):
-        raise InputError(
-            "resonance",
-            "the ring-down holds no angles in rad over time",
-            "a swing with a unit and with times",
-        )
+    timed = np.isfinite(curves["period"].sel(source="free")).any()
+    if curves["amplitude"].attrs["units"] != "rad" or not timed:
+        told = "the ring-down holds no angles in rad over time", "a swing with a unit and with times"
+        raise InputError("resonance", *told)
     sources = [one for one in ("free", "model") if np.isfinite(curves["period"].sel(source=one)).sum() > 3]
     each = {one: _Ring(curves.sel(source=one), kind) for one in sources}
     weakest = max(one.asked[0] for one in each.values())
@@ -77,20 +73,14 @@ def resonance(curves: xr.Dataset, drive: ArrayLike | None = None, kind: str = "t
         )  # fmt: skip
     found = [[each[source].driven(one) for source in sources] for one in drives]
     whole = xr.combine_nested(found, ["drive", "source"], combine_attrs="drop")
-    whole = whole.assign_coords(
-        drive=("drive", drives, {"units": "rad/s^2", "long_name": "amplitude of the drive"}),
-        source=sources,
-        side=list(SIDES),
-    )
+    along = variable("drive", drives, "amplitude of the drive", "rad/s^2")
+    whole = whole.assign_coords(drive=along, source=sources, side=list(SIDES))
     for name, unit, words in _VARIABLES:
         whole[name].attrs = {"units": unit, "long_name": words}
     about = {key: curves.attrs[key] for key in ("campaign", "emulated", "restoring", "model")}
     whole["backbone_amplitude"] = ("backbone", curves["amplitude"].values, {"units": "rad"})
-    whole["backbone_frequency"] = (
-        ("source", "backbone"),
-        1 / curves["period"].sel(source=sources).values,
-        {"units": "Hz"},
-    )
+    frequency = 1 / curves["period"].sel(source=sources).values
+    whole["backbone_frequency"] = (("source", "backbone"), frequency, {"units": "Hz"})
     return whole.assign_attrs(about | {"kind": kind})
 
 
@@ -148,10 +138,8 @@ class _Ring:
         amplitude = peak - (peak - self.size[0]) * np.linspace(1, 0, _POINTS) ** 2
         frequency, u_frequency, ratio, u_ratio = self.at(amplitude)
         both = self.sides(amplitude, drive, frequency, ratio)
-        u = np.hypot(
-            self._moved(both[0], amplitude, drive, (frequency, u_frequency), (ratio, 0.0)),
-            self._moved(both[0], amplitude, drive, (frequency, 0.0), (ratio, u_ratio)),
-        )
+        errors = (u_frequency, 0.0), (0.0, u_ratio)
+        u = np.hypot(*(self._moved(both[0], amplitude, drive, (frequency, f), (ratio, r)) for f, r in errors))
         centre, phase = both
         if beyond.size:  # both sides meet
             p, q = (float(np.broadcast_to(one, amplitude.shape)[-1]) for one in self.grip(amplitude))
@@ -181,11 +169,8 @@ class _Ring:
     def _moved(self, centre: Floats, amplitude: Floats, drive: float, frequency: Any, ratio: Any) -> Floats:
         """How far (rad/s) a standard uncertainty moves the curve at each amplitude; where one way leaves no swing so wide, as beside the
         peak, by the other."""
-        ends = [
-            self.sides(amplitude, drive, frequency[0] + k * frequency[1], ratio[0] + k * ratio[1])[0]
-            for k in (1, -1)
-        ]
-        moved = np.abs(np.array(ends) - centre)
+        pairs = [(frequency[0] + k * frequency[1], ratio[0] + k * ratio[1]) for k in (1, -1)]
+        moved = np.abs(np.array([self.sides(amplitude, drive, *one)[0] for one in pairs]) - centre)
         return np.where(np.isfinite(moved[0]), moved[0], moved[1])
 
     def sides(

@@ -68,59 +68,51 @@ class Early(NamedTuple):
         return more, np.hypot(2 * _LONGER * (usual + excess) * u, _ONLY_SO * more)
 
 
-class Beyond(NamedTuple):
-    """What a friction of speed alone does beyond the first order of the loss, by amplitude (columns): to the loss, and to the time between turning
-    points and between passages through the middle, over that of an ideal pendulum; how late a passage is between two turning points, times the
-    frequency, and how early a turning point is between two passages, as the polynomial through it shows it."""
+def none_beyond(amplitude: Floats) -> Table:
+    """The table of ``beyond_of`` for a friction that is not known yet."""
+    return Table(amplitude, np.zeros((amplitude.size, 5)))
 
-    table: Table
 
-    @classmethod
-    def none(cls, amplitude: Floats) -> "Beyond":
-        """That of a friction that is not known yet."""
-        return cls(Table(amplitude, np.zeros((amplitude.size, 5))))
-
-    @classmethod
-    def of(cls, ideal: Ideal, basis: Basis, loss: Posterior, amplitude: Floats) -> "Beyond":
-        """That of the friction that a regression found."""
-        mean = loss.mean[: len(basis.powers) + basis.nodes.size]
-        # two half-swings that meet in a turning point of the table go from further out to further in
-        ends = amplitude[[0, -1]]
-        room = _REACH * np.exp(2 * (losses(ideal, basis, ends) @ mean))
-        least, most = float(ends[0] / room[0]), float(min(ends[1] * room[1], ideal.widest(ends[1])))
-        speeds = np.linspace(0.0, float(ideal.speed(np.array([most]))[0]), _SPEEDS)
-        drag = basis.at(speeds) @ mean
-        begun = np.geomspace(least, most, _BEGUN)
-        found = swung(ideal, lambda speed: np.interp(speed, speeds, drag), begun)
-        good = np.isfinite(found.loss) & np.isfinite(found.passage)
-        # a friction that stops it before its next turning point
-        if good.sum() < _FEWEST or not (np.diff(found.amplitude[good]) > 0).all():
-            return cls.none(amplitude)
-        found = Swung(*(one[good] for one in found))
-        at = found.amplitude
-        usual = np.pi * ideal.lengthening(at)
-        beside, loss_at, duration = (
-            CubicSpline(np.log(at), one)
-            for one in (found.passage - found.duration / 2, found.loss, found.duration)
-        )
-        # two half-swings meet in a turning point: between their passages lie half of each, and what their passages are beside their middles
-        here = before = after = np.log(at)
-        for _ in range(4):
-            before, after = here + loss_at(before) / 2, here - loss_at(after) / 2
-        known = (before <= here[-1]) & (after >= here[0])
-        if known.sum() < _FEWEST:
-            return cls.none(amplitude)
-        here, before, after, turned = here[known], before[known], after[known], at[known]
-        between = (duration(before) + duration(after)) / 2 + beside(after) - beside(before)
-        lead = (duration(after) - duration(before)) / 4 + (beside(after) + beside(before)) / 2
-        step = 2 * float(drag[0]) / ideal.torque(turned)
-        columns = (
-            CubicSpline(np.log(at), found.loss - losses(ideal, basis, at) @ mean),
-            CubicSpline(np.log(at), found.duration / usual - 1),
-            CubicSpline(here, between / usual[known] - 1),
-            beside,
-            CubicSpline(here, lead - _STEP_SEEN * step),
-        )
-        place = np.log(amplitude)
-        inside = [one(np.clip(place, one.x[0], one.x[-1])) for one in columns]
-        return cls(Table(amplitude, np.column_stack(inside)))
+def beyond_of(ideal: Ideal, basis: Basis, loss: Posterior, amplitude: Floats) -> Table:
+    """What the friction of speed alone that a regression found does beyond the first order of the loss, by amplitude (columns): to the loss, and
+    to the time between turning points and between passages through the middle, over that of an ideal pendulum; how late a passage is between two
+    turning points, times the frequency, and how early a turning point is between two passages, as the polynomial through it shows it."""
+    mean = loss.mean[: len(basis.powers) + basis.nodes.size]
+    # two half-swings that meet in a turning point of the table go from further out to further in
+    ends = amplitude[[0, -1]]
+    room = _REACH * np.exp(2 * (losses(ideal, basis, ends) @ mean))
+    least, most = float(ends[0] / room[0]), float(min(ends[1] * room[1], ideal.widest(ends[1])))
+    speeds = np.linspace(0.0, float(ideal.speed(np.array([most]))[0]), _SPEEDS)
+    drag = basis.at(speeds) @ mean
+    begun = np.geomspace(least, most, _BEGUN)
+    found = swung(ideal, lambda speed: np.interp(speed, speeds, drag), begun)
+    good = np.isfinite(found.loss) & np.isfinite(found.passage)
+    # a friction that stops it before its next turning point
+    if good.sum() < _FEWEST or not (np.diff(found.amplitude[good]) > 0).all():
+        return none_beyond(amplitude)
+    found = Swung(*(one[good] for one in found))
+    at = found.amplitude
+    usual = np.pi * ideal.lengthening(at)
+    each = found.passage - found.duration / 2, found.loss, found.duration
+    beside, loss_at, duration = (CubicSpline(np.log(at), one) for one in each)
+    # two half-swings meet in a turning point: between their passages lie half of each, and what their passages are beside their middles
+    here = before = after = np.log(at)
+    for _ in range(4):
+        before, after = here + loss_at(before) / 2, here - loss_at(after) / 2
+    known = (before <= here[-1]) & (after >= here[0])
+    if known.sum() < _FEWEST:
+        return none_beyond(amplitude)
+    here, before, after, turned = here[known], before[known], after[known], at[known]
+    between = (duration(before) + duration(after)) / 2 + beside(after) - beside(before)
+    lead = (duration(after) - duration(before)) / 4 + (beside(after) + beside(before)) / 2
+    step = 2 * float(drag[0]) / ideal.torque(turned)
+    columns = (
+        CubicSpline(np.log(at), found.loss - losses(ideal, basis, at) @ mean),
+        CubicSpline(np.log(at), found.duration / usual - 1),
+        CubicSpline(here, between / usual[known] - 1),
+        beside,
+        CubicSpline(here, lead - _STEP_SEEN * step),
+    )
+    place = np.log(amplitude)
+    inside = [one(np.clip(place, one.x[0], one.x[-1])) for one in columns]
+    return Table(amplitude, np.column_stack(inside))

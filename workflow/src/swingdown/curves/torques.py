@@ -203,9 +203,8 @@ def swung(ideal: Ideal, drag: Callable[[Floats], Floats], amplitudes: Floats) ->
         if turned.any():
             part = _zero(speed, next_speed, a1 * step, pull(next_angle, next_speed) * step)
             duration = np.where(turned, (k + part) * step, duration)
-            reached = np.where(
-                turned, _hermite(angle, next_angle, speed * step, next_speed * step, part), reached
-            )
+            there = _hermite(angle, next_angle, speed * step, next_speed * step, part)
+            reached = np.where(turned, there, reached)
         if np.isfinite(duration).all():
             break
         angle, speed = next_angle, next_speed
@@ -216,9 +215,8 @@ def swung(ideal: Ideal, drag: Callable[[Floats], Floats], amplitudes: Floats) ->
 def _hermite(begin: Floats, end: Floats, rise: Floats, rise_after: Floats, part: Floats) -> Floats:
     """The cubic between two values with these slopes over the step, at a part of it."""
     rest = 1 - part
-    return rest**2 * ((1 + 2 * part) * begin + part * rise) + part**2 * (
-        (1 + 2 * rest) * end - rest * rise_after
-    )
+    near = rest**2 * ((1 + 2 * part) * begin + part * rise)
+    return near + part**2 * ((1 + 2 * rest) * end - rest * rise_after)
 
 
 def _zero(begin: Floats, end: Floats, rise: Floats, rise_after: Floats) -> Floats:

@@ -1,6 +1,7 @@
 """What a study makes, by its plan and settings alone: the files that its rules write, its report shows and its manifest lists."""
 
 from collections.abc import Iterable, Mapping
+from itertools import product
 from typing import Any, NamedTuple
 
 from .plan import Plan
@@ -38,16 +39,9 @@ class Made(NamedTuple):
 
 
 def made(plan: Plan, settings: Mapping[str, Any], own: bool) -> Made:
-    """What a study makes.
+    """What a study of the recordings of a plan makes, by its complete settings (``settings.complete``).
 
-    Parameters
-    ----------
-    plan
-        Its recordings.
-    settings
-        Complete (``settings.complete``).
-    own
-        Whether it is somebody's own: pendulums are then shown side by side, with what each shows against the amplitude.
+    If it is somebody's ``own``, pendulums are shown side by side, with what each shows against the amplitude.
     """
     tables, figures, study = [], [], []
     simulated = settings["simulation"]["simulated"]
@@ -57,11 +51,10 @@ def made(plan: Plan, settings: Mapping[str, Any], own: bool) -> Made:
         study += [f"simulation/norms_{name}.nc" for name in simulated]
     if not plan.campaigns:
         return Made(_in("tables", tables, ".csv"), [], [], [], _in("", study), [], [], [], {})
-    stated = {
-        name: cells
-        for name in plan.moving
-        if (cells := {cell: plan.rows[name][cell] for cell in CELLS if plan.rows[name][cell]})
+    cells = {
+        name: {key: plan.rows[name][key] for key in CELLS if plan.rows[name][key]} for name in plan.moving
     }
+    stated = {name: one for name, one in cells.items() if one}
     tables += ["uncertainty_budget"] if plan.in_volts else []
     tables += ["table3", "comparison", "parameters", "parameter_budget", "left_out", "pendulums"]
     if own:
@@ -70,12 +63,8 @@ def made(plan: Plan, settings: Mapping[str, Any], own: bool) -> Made:
         figures += varied_in(stated)
     # A pendulum of one swing has nothing to fit together: that is the swing's own fit.
     joint = [f"experiment/joint/{name}.nc" for name in plan.campaigns if len(plan.swings(name)) > 1]
-    curves = [
-        f"curves/{name}/{kind}.{ending}"
-        for name in (plan.campaigns if own else ())
-        for kind in ("curves", "laws")
-        for ending in ("csv", *_PICTURES)
-    ]
+    each = product(plan.campaigns if own else (), ("curves", "laws"), ("csv", *_PICTURES))
+    curves = [f"curves/{name}/{kind}.{ending}" for name, kind, ending in each]
     found = _searched(plan, settings["discovery"]["rounds"])
     return Made(
         _in("tables", tables, ".csv"), _pictures("figures", figures),

@@ -90,9 +90,8 @@ def files(given: Iterable[str | Path]) -> tuple[list[Path], list[Refused]]:
         elif path.is_file():
             found.append(path)
         else:
-            raise InputError(
-                path, "there is no such file", "a file or a folder of files", f"correct the path{_near(path)}"
-            )
+            mend = f"correct the path{_near(path)}"
+            raise InputError(path, "there is no such file", "a file or a folder of files", mend)
     found = list(dict.fromkeys(found))
     nameless = [path for path in found if _shown(path) != path.name]
     return [path for path in found if path not in nameless], passed + [_misnamed(path) for path in nameless]
@@ -112,16 +111,9 @@ def _passed(path: Path) -> Refused:
         "a folder in the folder" if path.is_dir() else "a picture is no recording" if ending in _PICTURES
         else f"files that end in {ending or 'nothing'} are none of recordings"
     )  # fmt: skip
-    name = safe_name(_shown(path))
-    return Refused(
-        name,
-        _shown(path),
-        f"not looked at: {what}",
-        "",
-        "name it by itself, if it is one",
-        printable(_shown(path)),
-        NOT_LOOKED_AT,
-    )
+    told = f"not looked at: {what}", "", "name it by itself, if it is one"
+    shown = _shown(path)
+    return Refused(safe_name(shown), shown, *told, printable(shown), NOT_LOOKED_AT)
 
 
 def _misnamed(path: Path) -> Refused:
@@ -171,16 +163,13 @@ def rows(
     Each is a pendulum of its own, or all are recordings of one. ``file`` is relative to ``folder``; ``told`` are cells that hold
     for every row.
     """
-    return [
-        {
-            "recording": name,
-            "campaign": TOGETHER if together else name,
-            "file": os.path.relpath(path.resolve(), folder.resolve()),
-        }
-        | ({"label": printable(path.stem)} if path.stem != name else {})
-        | {key: cell for key, cell in (told or {}).items() if cell is not None}
-        for name, path in zip(names(paths), paths, strict=True)
-    ]
+    known, found = {key: cell for key, cell in (told or {}).items() if cell is not None}, []
+    for name, path in zip(names(paths), paths, strict=True):
+        file = os.path.relpath(path.resolve(), folder.resolve())
+        label = {"label": printable(path.stem)} if path.stem != name else {}
+        row = {"recording": name, "campaign": TOGETHER if together else name, "file": file}
+        found.append(row | label | known)
+    return found
 
 
 def take(row: Mapping[str, Any], path: Path, restoring: str = "sine") -> list[Taken | Refused]:
@@ -224,11 +213,8 @@ def _without_rest(parts: list[Taken | Refused], path: Path) -> list[Taken | Refu
 
     Parts that follow each other are no such ones.
     """
-    runs = {
-        k: one
-        for k, one in enumerate(parts)
-        if isinstance(one, Taken) and "run" in one.row and not clock_part(str(one.row["run"]))
-    }
+    taken = {k: one for k, one in enumerate(parts) if isinstance(one, Taken) and "run" in one.row}
+    runs = {k: one for k, one in taken.items() if not clock_part(str(one.row["run"]))}
     signals = {k: one.recording["signal"] for k, one in runs.items()}
     sizes = {k: float(np.ptp(signal.values)) for k, signal in signals.items()}
     found = list(parts)
@@ -260,16 +246,9 @@ def _inside(row: Mapping[str, Any], file: str) -> dict[str, Any]:
 
 def _passed_inside(row: Mapping[str, Any], file: str) -> Refused:
     """A file in the archive of a row that is not looked at."""
-    part = _inside(row, file)
-    return Refused(
-        part["recording"],
-        row["file"],
-        f"not looked at: {printable(file)} in it is no table of numbers",
-        "",
-        "unpack it and name it by itself, if it is a recording",
-        printable(part["label"]),
-        NOT_LOOKED_AT,
-    )
+    part, mend = _inside(row, file), "unpack it and name it by itself, if it is a recording"
+    told = f"not looked at: {printable(file)} in it is no table of numbers", "", mend
+    return Refused(part["recording"], row["file"], *told, printable(part["label"]), NOT_LOOKED_AT)
 
 
 def _release(row: Mapping[str, Any], number: int, cells: Mapping[str, str]) -> dict[str, Any]:
@@ -321,27 +300,11 @@ def write(
     restoring: str = "sine",
     lang: str = ENGLISH,
 ) -> Path:
-    """The config written, with the sheet and the table of what is left out beside it; its path.
+    """The path of the config written into the folder, with the sheet and the table of what is left out beside it.
 
-    Parameters
-    ----------
-    folder
-        Where to.
-    kept
-        The rows of the sample sheet.
-    left_out
-        The recordings that cannot be used, with the reason.
-    searched
-        The campaigns to search, where these are not all.
-    restoring
-        ``sine`` or ``linear``.
-    lang
-        The language of the report.
-
-    Raises
-    ------
-    InputError
-        If somebody changed the sheet or the config since they were written here, or the folder cannot be written.
+    ``kept`` are the rows of the sample sheet, ``left_out`` the recordings that cannot be used, with the reason, ``searched`` the campaigns to
+    search; ``restoring`` is ``sine`` or ``linear``, ``lang`` the language of the report. InputError if somebody changed the sheet or the
+    config since they were written here, or the folder cannot be written.
     """
     try:
         _check_untouched(folder)

@@ -33,10 +33,8 @@ class Plan:
 
         InputError where some do not say it, or say another thing.
         """
-        stated = {
-            name: (self.rows[name]["changed"], self.rows[name]["changed_value"])
-            for name in self.swings(campaign)
-        }
+        rows = {name: self.rows[name] for name in self.swings(campaign)}
+        stated = {name: (row["changed"], row["changed_value"]) for name, row in rows.items()}
         said = {name: one for name, one in stated.items() if any(one)}
         if not said:
             return None
@@ -74,11 +72,8 @@ class Plan:
         return self._named((*self.campaigns, *self.searched), (True, False))
 
     def _named(self, campaigns: Sequence[str], static: Sequence[bool]) -> list[str]:
-        return [
-            name
-            for name, row in self.rows.items()
-            if row["campaign"] in campaigns and (row["role"] == "static") in static
-        ]
+        own = [name for name, row in self.rows.items() if row["campaign"] in campaigns]
+        return [name for name in own if (self.rows[name]["role"] == "static") in static]
 
 
 def plan(settings: dict[str, Any]) -> Plan:

@@ -16,11 +16,7 @@ _SCHEMA = "config.schema.yaml"
 def check_config(path: Path) -> None:
     """None for a config file that holds settings; InputError with the line for one that cannot be read as YAML."""
     if not path.is_file():
-        there = (
-            [one.name for one in path.parent.glob("*") if one.suffix in CONFIGS]
-            if path.parent.is_dir()
-            else []
-        )
+        there = [one.name for one in path.parent.glob("*") if one.suffix in CONFIGS]
         raise InputError(
             path, "there is no such config file", f"a YAML file, in {Path.cwd()} or given by its whole path",
             near(path.name, there) if there else "correct the path",
@@ -38,16 +34,14 @@ def complete(config: Mapping[str, Any], where: str = "config") -> dict[str, Any]
     Raises InputError, with the full name of the key and a near match where there is one, for an unknown key, a value
     of another kind or out of bounds, and a model that is not built from the catalogue's effects and the study's own.
     """
-    config = as_said(
-        config, _SCHEMA, ("capture", "live", "recover", "recompute", "height", "count", "session", "monitor")
-    )
+    keys = ("capture", "live", "recover", "recompute", "height", "count", "session", "monitor")
+    config = as_said(config, _SCHEMA, keys)
     settings = with_defaults(check(config, _SCHEMA, where))
     _check_size(settings["simulation"], f"{where}, key simulation")
     known = catalogue(settings["effects"], f"{where}, key effects")
-    for number, name in enumerate(settings["discovery"]["base"], 1):
-        _check_effects([name], known, f"{where}, key discovery.base[{number}]")
-    for number, name in enumerate(settings["hidden_effects"]["effects"], 1):
-        _check_effects([name], known, f"{where}, key hidden_effects.effects[{number}]")
+    for part, key in (("discovery", "base"), ("hidden_effects", "effects")):
+        for number, name in enumerate(settings[part][key], 1):
+            _check_effects([name], known, f"{where}, key {part}.{key}[{number}]")
     _check_effects([settings["detection"]["effect"]], known, f"{where}, key detection.effect")
     for part in ("simulation", "experiment"):
         for number, label in enumerate(settings[part]["fitted"], 1):
@@ -70,12 +64,9 @@ def _check_size(simulation: Mapping[str, Any], place: str) -> None:
     samples = simulation["sampling_rate_hz"] * simulation["duration_s"]
     whole = samples * simulation["realizations"]
     if whole > _MOST_SAMPLES:
-        raise InputError(
-            place,
-            f"{samples:.3g} samples in each of {simulation['realizations']} realisations take {8e-9 * whole:.3g} GB",
-            f"at most {_MOST_SAMPLES:.0e} samples in all",
-            "lower sampling_rate_hz, duration_s or realizations",
-        )
+        problem = f"{samples:.3g} samples in each of {simulation['realizations']} realisations take {8e-9 * whole:.3g} GB"
+        mend = "lower sampling_rate_hz, duration_s or realizations"
+        raise InputError(place, problem, f"at most {_MOST_SAMPLES:.0e} samples in all", mend)
 
 
 def _check_model(label: str, known: Catalogue, place: str) -> None:

@@ -25,17 +25,9 @@ def swings_with_fit(
 ) -> style.Drawn:
     """A figure of angle and fit over time, and below them the residual with the noise; a column each recording.
 
-    Parameters
-    ----------
-    shown
-        Those of one recording in the order of their times. Of more than three recordings those with the largest, the middle and the smallest
-        angle are drawn.
-    noise
-        In rad; None: not measured.
-    data
-        Its ``emulated`` says whether the recordings are.
-    told
-        What stands above, such as period and quality.
+    Those ``shown`` of one recording come in the order of their times; of more than three recordings those with the largest, the middle and the
+    smallest angle are drawn. ``noise`` is in rad (None: not measured), ``emulated`` of ``data`` says whether the recordings are, and
+    ``told`` stands above, such as period and quality.
     """
     parts = Shown.by_recording(shown)
     order = sorted(parts, key=lambda name: -max(float(np.ptp(one.angle)) for one in parts[name]))
@@ -49,14 +41,9 @@ def swings_with_fit(
         lower.set_xlabel("time (s)" if len(chosen) > 1 else style.TIME)
     grid[0, 0].set_ylabel(axis(shown[0].unit))
     grid[1, 0].set_ylabel(f"data − fit ({told_in(0.0, shown[0].unit)[1]})")
-    figure.legend(
-        handles=[style.mark(".", DATA, "measured"), *style.handles_of(figure)],
-        loc="outside upper left",
-        ncols=4,
-        title=told or None,
-        title_fontsize=12,
-        alignment="left",
-    )
+    handles = [style.mark(".", DATA, "measured"), *style.handles_of(figure)]
+    heading: dict[str, Any] = {"title": told or None, "title_fontsize": 12, "alignment": "left"}
+    figure.legend(handles=handles, loc="outside upper left", ncols=4, **heading)
     left = ""
     if len(chosen) < len(parts):
         left = f"{len(chosen)} of {len(parts)} recordings: largest, middle and smallest angle"
@@ -81,9 +68,9 @@ def swings_alone(shown: Sequence[Shown], data: xr.Dataset | Mapping[str, Any]) -
 def _recording(upper: Axes, lower: Axes, parts: Sequence[Shown], noise: float | None) -> None:
     begin = float(parts[0].times[0])
     for one in parts:
-        time = one.times - begin
-        colour = HELD if one.held_out else FITTED
-        what = "model, on a part held out of the fit" if one.held_out else "fit"
+        time, colour, what = one.times - begin, FITTED, "fit"
+        if one.held_out:
+            colour, what = HELD, "model, on a part held out of the fit"
         angle, fit = (told_in(each, one.unit)[0] for each in (one.angle, one.fit))
         left = angle - fit
         style.dots(upper, *thinned(time, angle), 2.6, DATA, rasterized=True)

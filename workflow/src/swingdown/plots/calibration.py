@@ -44,25 +44,16 @@ def fig08(calibration: xr.Dataset) -> Figure:
         axes.grid(True)
     middle = angle[lowest]
     high = max(2.4 * boxes[1][lowest], 1.15 * np.abs(_at(best, near) - middle).max())
-    zoom.set(
-        ylim=(middle - high, middle + high),
-        xlabel="encoder voltage $V$ (V)",
-        title="(c) the lowest point, enlarged",
-    )
+    zoom.set(xlabel="encoder voltage $V$ (V)", title="(c) the lowest point, enlarged")
+    zoom.set_ylim(middle - high, middle + high)
     whole.set(ylabel=r"angle $\theta$ (°)", title="(a) calibration line")
     whole.tick_params(labelbottom=False)
     rest.set(xlabel="encoder voltage $V$ (V)", ylabel="point − line (°)", title="(b) beside the line")
-    style.symmetric(
-        rest,
-        np.concatenate(
-            [np.abs(angle - _at(best, voltage)) + boxes[1], *(_at(line - best, volts) for line in extreme)]
-        ),
-    )
+    lines = [_at(line - best, volts) for line in extreme]
+    style.symmetric(rest, np.concatenate([np.abs(angle - _at(best, voltage)) + boxes[1], *lines]))
     figure.align_ylabels((whole, rest))
-    frame = Rectangle(
-        (near[0], middle - high), np.ptp(near), 2 * high, fill=False, edgecolor=style.GREY, lw=0.8
-    )
-    whole.add_patch(frame)
+    corner, wide = (near[0], middle - high), np.ptp(near)
+    whole.add_patch(Rectangle(corner, wide, 2 * high, fill=False, edgecolor=style.GREY, lw=0.8))
     style.noted(whole, "(c)", (voltage[lowest], middle), (14, -3), fontsize=9, color=style.GREY)
     handles = [
         whole.plot([], [], color=LINE, label="best line")[0],
@@ -71,15 +62,10 @@ def fig08(calibration: xr.Dataset) -> Figure:
     ]
     handles += [style.mark("X", FLAG, "tower height, flagged")] if flagged.any() else []
     figure.legend(handles=handles, loc="outside upper left", ncols=len(handles))
-    return style.footnote(
-        figure, style.emulated_note(calibration), f"boxes: ± {boxed} (mode {mode})", _stretched(data)
-    )
-
-
-def _stretched(data: xr.Dataset) -> str:
-    """What is said where no line passes through all boxes as they are."""
-    factor = float(data["deviation_line_factor"])
-    return f"the dashed lines pass through boxes {factor:g} times as large" if factor > 1 else ""
+    factor = float(data["deviation_line_factor"])  # above 1 no line passes through all boxes as they are
+    stretched = f"the dashed lines pass through boxes {factor:g} times as large" if factor > 1 else ""
+    boxes_are = f"boxes: ± {boxed} (mode {mode})"
+    return style.footnote(figure, style.emulated_note(calibration), boxes_are, stretched)
 
 
 def _at(line: Floats, voltage: ArrayLike) -> Floats:
@@ -95,13 +81,11 @@ def _lines(axes: Axes, span: Floats, best: Floats, extreme: Floats, about: Float
 
 def _points(axes: Axes, voltage: Floats, angle: Floats, boxes: tuple[Floats, Floats], flagged: Bools) -> None:
     for x, y, wide, high, flag in zip(voltage, angle, *boxes, flagged, strict=True):
-        colour = FLAG if flag else style.INK
+        colour, marker, size = (FLAG, "X", 6.5) if flag else (style.INK, "o", 4)
         if np.isfinite(wide + high):
             axes.add_patch(Rectangle((x - wide, y - high), 2 * wide, 2 * high, facecolor=(colour, 0.13), edgecolor=colour,
                                      lw=0.8, zorder=3))  # fmt: skip
-        axes.plot(
-            x, y, "X" if flag else "o", color=colour, ms=6.5 if flag else 4, mec="white", mew=0.5, zorder=4
-        )
+        axes.plot(x, y, marker, color=colour, ms=size, mec="white", mew=0.5, zorder=4)
 
 
 @style.styled
@@ -110,12 +94,8 @@ def fig09(angles: xr.Dataset) -> Figure:
 
     ``angles`` is one recording's angle dataset: ``angle`` and ``angle_bound`` (time), in rad.
     """
-    time, angle, bound = (
-        angles["time"].values,
-        style.degrees(angles["angle"]),
-        style.degrees(angles["angle_bound"]),
-    )
-    time = time - time[0]
+    time = angles["time"].values - angles["time"].values[0]
+    angle, bound = style.degrees(angles["angle"]), style.degrees(angles["angle_bound"])
     figure = style.new_figure(10.4)
     grid = figure.add_gridspec(2, 2, height_ratios=(1.25, 1))
     whole, peak, crossing = (figure.add_subplot(place) for place in (grid[0, :], grid[1, 0], grid[1, 1]))
@@ -129,20 +109,15 @@ def fig09(angles: xr.Dataset) -> Figure:
     bottom, ceiling = whole.get_ylim()
     whole.set_ylim(bottom, ceiling + 0.16 * (ceiling - bottom))  # room for the names of the enlarged places
     style.legend_above(whole)
-    for axes, window, title in zip(
-        (peak, crossing),
-        _windows(time, angle),
-        ("(a) a turning point", "(b) a passage through zero"),
-        strict=True,
-    ):
+    titles = "(a) a turning point", "(b) a passage through zero"
+    for axes, window, title in zip((peak, crossing), _windows(time, angle), titles, strict=True):
         axes.plot(time[window], angle[window], "o", color=style.INK, ms=3, mew=0)
         axes.set(xlim=time[[window.start, window.stop - 1]], title=title)
         low, high = (angle - bound)[window].min(), (angle + bound)[window].max()
         axes.set_ylim(low - 0.06 * (high - low), high + 0.06 * (high - low))
         start, stop = time[window.start], time[window.stop - 1]
-        whole.add_patch(
-            Rectangle((start, low), stop - start, high - low, fill=False, edgecolor=FLAG, lw=1.1, zorder=5)
-        )
+        size = stop - start, high - low
+        whole.add_patch(Rectangle((start, low), *size, fill=False, edgecolor=FLAG, lw=1.1, zorder=5))
         whole.annotate(title[:3], (0.5 * (start + stop), high), xytext=(0.5 * (start + stop), ceiling), ha="center",
                        va="bottom", color=FLAG, fontsize=9, arrowprops={"arrowstyle": "-", "color": FLAG, "lw": 0.8,
                        "shrinkA": 0, "shrinkB": 0})  # fmt: skip

@@ -34,12 +34,8 @@ def over_the_change(found: Mapping[str, Any] | None) -> Figure:
         at = np.linspace(max(x.min() - 0.04 * reach, 1e-3 * x.max()), x.max() + 0.04 * reach, 300)
         exponent = style.signed(value_with_uncertainty(law["exponent"], law["u_exponent"]))
         drawn = law["offset"] + law["factor"] * (at / law["at"]) ** law["exponent"]
-        axes.plot(
-            at,
-            drawn,
-            color=_LAW,
-            label=f"power {exponent}" + (", beside what stays" if law["u_offset"] else ""),
-        )
+        words = f"power {exponent}" + (", beside what stays" if law["u_offset"] else "")
+        axes.plot(at, drawn, color=_LAW, label=words)
     unit = "" if found["unit"] == "1" else f" ({found['unit'].replace('^2', '²')})"
     axes.set_xlabel(f"{name} ({in_unit})" if in_unit else name)
     axes.set_ylabel(f"{found['parameter'].replace('_', ' ')}{unit}")
@@ -47,8 +43,5 @@ def over_the_change(found: Mapping[str, Any] | None) -> Figure:
     axes.margins(x=0.06)
     axes.ticklabel_format(axis="y", useOffset=False)
     figure.legend(loc="outside upper left", ncols=2)
-    return style.footnote(
-        figure,
-        "bars: ± 2 standard uncertainties",
-        "widened to the scatter of the points" if law and law["widened_by"] > 1 else "",
-    )
+    widened = "widened to the scatter of the points" if law and law["widened_by"] > 1 else ""
+    return style.footnote(figure, "bars: ± 2 standard uncertainties", widened)

@@ -134,10 +134,8 @@ def _swings(axes: Axes, size: Floats, value: Floats, error: Floats, upright: boo
     size, value, error = size[good], value[good], error[good]
     words = "single swings"
     if size.size > _DOTS:
-        parts = np.array_split(np.argsort(size), _GROUPS)
-        means = [
-            (size[one].mean(), value[one].mean(), value[one].std(ddof=1) / np.sqrt(one.size)) for one in parts
-        ]
+        parts = [(size[one], value[one]) for one in np.array_split(np.argsort(size), _GROUPS)]
+        means = [(one.mean(), of.mean(), of.std(ddof=1) / np.sqrt(of.size)) for one, of in parts]
         size, value, error = np.array(means).T
         words = "means of single swings"
     low, high = axes.get_xlim() if upright else axes.get_ylim()
@@ -178,25 +176,16 @@ def envelopes(data: xr.Dataset) -> style.Drawn:
     angles = data["amplitude"].attrs["units"] == "rad"
     scale = 180 / np.pi if angles else 1.0
     time, measured = data["time"].values, scale * data["amplitude"].values
-    upper.plot(
-        time,
-        measured,
-        "o",
-        color=style.GREY,
-        mfc="white",
-        ms=3.2,
-        mew=0.7,
-        zorder=5,
-        label="turning points, measured",
-    )
+    ring: dict[str, Any] = {"mfc": "white", "ms": 3.2, "mew": 0.7, "zorder": 5}
+    upper.plot(time, measured, "o", color=style.GREY, label="turning points, measured", **ring)
     best = str(data.attrs["best"])
     left = []
-    for k, label in enumerate(data["law"].values):
+    for k, label in enumerate(map(str, data["law"].values)):
         fitted = scale * data["fitted"].sel(law=label).values
         bold = {"lw": 1.3, "zorder": 6} if label == best else {"lw": 1.0, "ls": (0, (5, 1 + k % 3))}
-        words = " + ".join(map(in_words, str(label).split("+")))
-        upper.plot(time, fitted, color=_COLOURS.get(str(label), style.INK), label=words, **bold)
-        lower.plot(time, measured - fitted, color=_COLOURS.get(str(label), style.INK), **bold)
+        words, colour = " + ".join(map(in_words, label.split("+"))), _COLOURS.get(label, style.INK)
+        upper.plot(time, fitted, color=colour, label=words, **bold)
+        lower.plot(time, measured - fitted, color=colour, **bold)
         left.append(measured - fitted)
     upper.set_yscale("log")
     style.decimal_log(upper.yaxis)
@@ -210,12 +199,8 @@ def envelopes(data: xr.Dataset) -> style.Drawn:
     return style.footnote(figure, *str(data.attrs["said"]).split("; "), style.emulated_note(data))
 
 
-_COLOURS = style.COLOURS | {
-    "constant_coulomb": "#CC79A7",
-    "viscous+quadratic_drag": style.INK,
-    "viscous+load_coulomb": style.INK,
-    "quadratic_drag+load_coulomb": style.INK,
-}
+_SINGLE = {label: one for label, one in style.COLOURS.items() if label.count("+") != 1}
+_COLOURS = _SINGLE | {"constant_coulomb": "#CC79A7"}
 
 
 @style.styled
@@ -257,13 +242,10 @@ def resonances(data: xr.Dataset) -> style.Drawn:
         axes.grid(True)
     figure.legend(loc="outside upper left", ncols=4)
     beyond = "" if np.isfinite(own["peak_amplitude"]).all() else "cut: peaks beyond the ring-down"
-    drive = "acceleration of the pivot over the length"
-    if data.attrs["kind"] == "torque":
-        drive = "torque over inertia"
+    torque = data.attrs["kind"] == "torque"
+    drive = f"drive: {'torque over inertia' if torque else 'acceleration of the pivot over the length'}"
     dashed = "dashed: no pendulum stays there" if folded else ""
-    return style.footnote(
-        figure, f"drive: {drive}", dashed, beyond, "bands of 95 %", style.emulated_note(data)
-    )
+    return style.footnote(figure, drive, dashed, beyond, "bands of 95 %", style.emulated_note(data))
 
 
 _DRIVES = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")

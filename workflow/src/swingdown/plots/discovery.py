@@ -48,9 +48,8 @@ def residuals(first: xr.Dataset, last: xr.Dataset) -> Figure:
         axes.plot(time, before, color=BEFORE, lw=0.8, label="base model")
         axes.plot(time, after, color=AFTER, lw=0.8, label=moved)
         held = "held out" if bool(first["held_out"].values[k]) else "fitted"
-        axes.set(
-            xlim=(0, time[-1]), ylabel=f"data − fit ({unit})", title=f"{first['name'].values[k]} ({held})"
-        )
+        axes.set(xlim=(0, time[-1]), title=f"{first['name'].values[k]} ({held})")
+        axes.set_ylabel(f"data − fit ({unit})")
         style.symmetric(axes, np.concatenate([before, [2 * noise]]))
         axes.grid(True, axis="y")
     grid[-1].set_xlabel(style.TIME)
@@ -59,10 +58,9 @@ def residuals(first: xr.Dataset, last: xr.Dataset) -> Figure:
 
 
 def _residual(data: xr.Dataset, k: int) -> tuple[Floats, Floats]:
-    rows = data["swing"].values == k
-    time = data["time"].values[rows]
-    read = series_of(data)
-    return time - time[0], shown_in(read.values[rows] - data["fit"].values[rows], read.attrs["units"])[0]
+    rows, read = data["swing"].values == k, series_of(data)
+    time, left = data["time"].values[rows], read.values[rows] - data["fit"].values[rows]
+    return time - time[0], shown_in(left, read.attrs["units"])[0]
 
 
 def _worst(data: xr.Dataset, held: bool) -> int | None:
@@ -110,12 +108,9 @@ def missing_torque(
         axes.grid(True, axis="y")
     grid[0].set_ylabel(f"missing torque over inertia ({unit}/s²)")
     figure.legend(handles=style.handles_of(figure), loc="outside upper left", ncols=3)
-    return style.footnote(
-        figure,
-        "each as if it alone were missing",
-        "bands: ± 2 standard errors under the measured noise",
-        "time: a change of drag or stiffness, or a push, as a torque at the largest velocity or angle",
-    )
+    bands = "bands: ± 2 standard errors under the measured noise"
+    time = "time: a change of drag or stiffness, or a push, as a torque at the largest velocity or angle"
+    return style.footnote(figure, "each as if it alone were missing", bands, time)
 
 
 def _largest(part: pd.DataFrame) -> str:
@@ -142,13 +137,10 @@ def half_swings(first: pd.DataFrame, last: pd.DataFrame, unit: str = ANGLE) -> F
     first, last = first.astype(kinds), last.astype(kinds)  # a table without rows is read as text
     for axes, below, (column, label, scale) in zip(upper, lower, quantities, strict=True):
         measured = first[first["of"] == "measured"]
-        many = len(measured) > _MANY
         at, values = shown_in(measured["amplitude_rad"], unit)[0], scale * measured[column].to_numpy()
-        look = (
-            {"marker": ".", "ms": 1.5, "mew": 0}
-            if many
-            else {"marker": "o", "ms": 3.6, "mfc": "none", "mew": 0.7}
-        )
+        look: dict[str, Any] = {"marker": "o", "ms": 3.6, "mfc": "none", "mew": 0.7}
+        if len(measured) > _MANY:
+            look = {"marker": ".", "ms": 1.5, "mew": 0}
         axes.plot(at, values, ls="", color=style.GREY, label="measured", **look)
         for table, colour, name in ((first, BEFORE, "base model"), (last, AFTER, "last model")):
             modelled = table[table["of"] == "modelled"]
@@ -167,12 +159,8 @@ def half_swings(first: pd.DataFrame, last: pd.DataFrame, unit: str = ANGLE) -> F
         axes.set_title(label)
         below.set_xlabel(f"amplitude ({shown_in(0.0, unit)[1]})")
         if not np.isfinite(measured[column]).any():
-            axes.annotate(
-                "not shown by a rate" if len(measured) else "no half-swing",
-                (0.5, 0.5),
-                xycoords="axes fraction",
-                ha="center",
-            )
+            why = "not shown by a rate" if len(measured) else "no half-swing"
+            axes.annotate(why, (0.5, 0.5), xycoords="axes fraction", ha="center")
         for one in (axes, below):
             one.grid(True, axis="y")
     upper[0].set_ylabel("each half-swing")
@@ -195,9 +183,8 @@ def _means(axes: Axes, at: Floats, values: Floats, colour: str) -> None:
 def _left(table: pd.DataFrame, column: str) -> tuple[pd.Series, pd.Series]:
     """Amplitude (rad) and measured less modelled of each half-swing that both have: those of a swing one after the other."""
     each = table.assign(number=table.groupby(["swing", "of"]).cumcount())
-    measured, modelled = (
-        each[each["of"] == of].set_index(["swing", "number"]) for of in ("measured", "modelled")
-    )
+    each = each.set_index(["swing", "number"])
+    measured, modelled = (each[each["of"] == of] for of in ("measured", "modelled"))
     left = (measured[column] - modelled[column]).reindex(measured.index.intersection(modelled.index))
     return measured["amplitude_rad"].reindex(left.index), left
 

@@ -54,8 +54,7 @@ def fit_of(label: str, fits: xr.Dataset, angles: xr.Dataset, remark: str = "") -
     figure = style.new_figure(12)
     grid = figure.add_gridspec(3, 2, height_ratios=(1.1, 1.25, 0.95))
     whole, strip = figure.add_subplot(grid[0, :]), figure.add_subplot(grid[2, :])
-    early = figure.add_subplot(grid[1, 0])
-    late = figure.add_subplot(grid[1, 1])
+    early, late = figure.add_subplot(grid[1, 0]), figure.add_subplot(grid[1, 1])
     shown = min(EARLY_AND_LATE, 0.4 * time[-1])
     for axes in (whole, early, late):
         # each sample is a ring that the fit's line goes through, or misses; a band would hide both
@@ -80,9 +79,8 @@ def fit_of(label: str, fits: xr.Dataset, angles: xr.Dataset, remark: str = "") -
     legend = figure.legend(
         handles=handles, loc="outside upper left", ncols=len(handles), title_fontsize=10.5, alignment="left"
     )
-    words = (
-        f"{symbol(label, mathtext=True)}  {style.name(label)} damping: norm {float(one['norm']):#.3g}° (RMS)"
-    )
+    norm = f"norm {float(one['norm']):#.3g}° (RMS)"
+    words = f"{symbol(label, mathtext=True)}  {style.name(label)} damping: {norm}"
     legend.set_title(words + (f" — {remark}" if remark else ""))
     return style.footnote(figure, recording_note(angles))
 
@@ -106,12 +104,8 @@ def _residual(
     if not small:
         style.symmetric(axes, np.concatenate([residual, bound]))
     title = "(c) residual: the error bound reaches beyond this strip" if small else "(c) residual"
-    axes.set(
-        xlim=(time[0], time[-1]),
-        xlabel=style.TIME,
-        ylabel="data − fit (°)" if "angle" in angles else "data − fit (°/s)",
-        title=title,
-    )
+    unit = "°" if "angle" in angles else "°/s"
+    axes.set(xlim=(time[0], time[-1]), xlabel=style.TIME, ylabel=f"data − fit ({unit})", title=title)
     axes.grid(True, axis="y")
     return bands
 
@@ -135,14 +129,13 @@ def fig15(norms: xr.Dataset, table3: pd.DataFrame) -> Figure:
         axes.axhspan(low, high, color=style.FAINT, alpha=0.6, lw=0, zorder=0)
         axes.axhline(benchmark["mean"], color=style.GREY, lw=0.8, ls=(0, (4, 2)), zorder=1)
     for label, place in places.items():
-        values = norms["error_bound_norm"] if label == ERROR_BOUNDS else norms["norm"].sel(fitted=label)
-        style.runs(
-            axes, place, values.values, style.GREY if label == ERROR_BOUNDS else style.colour(label), "o"
-        )
+        values, colour = norms["error_bound_norm"], style.GREY
+        if label != ERROR_BOUNDS:
+            values, colour = norms["norm"].sel(fitted=label), style.colour(label)
+        style.runs(axes, place, values.values, colour, "o")
         if label in table.index:
-            style.published(
-                axes, place - 0.24, table.loc[label, "published_mean"], table.loc[label, "published_std"]
-            )
+            row = table.loc[label]
+            style.published(axes, place - 0.24, row["published_mean"], row["published_std"])
     axes.set_yscale("log")
     axes.axvline(0.5, color=style.FAINT, lw=0.8)
     style.model_axis(axes, [(r"$\pm U$", "error\nbounds"), *fitted])
@@ -155,9 +148,5 @@ def fig15(norms: xr.Dataset, table3: pd.DataFrame) -> Figure:
         style.mark("s", style.INK, "paper's apparatus (another pendulum)", hollow=True),
     ]
     style.legend_above(axes, handles)
-    return style.footnote(
-        figure,
-        f"campaign {campaign}",
-        style.emulated_note(norms),
-        "dashed: the error bounds, the benchmark for a fit",
-    )
+    dashed = "dashed: the error bounds, the benchmark for a fit"
+    return style.footnote(figure, f"campaign {campaign}", style.emulated_note(norms), dashed)

@@ -32,9 +32,8 @@ def side_by_side(table: pd.DataFrame) -> Figure:
     grid = figure.subplots(1, len(_COLUMNS), sharey=True)
     status = shown["verdict"].astype(object).fillna("").astype(str)
     for axes, (column, label) in zip(grid, _COLUMNS, strict=True):
-        for place, value, error, kind in zip(
-            shown.index, shown[column], shown[f"{column}_u"], status, strict=True
-        ):
+        each = zip(shown.index, shown[column], shown[f"{column}_u"], status, strict=True)
+        for place, value, error, kind in each:
             marker, colour, _ = LOOKS.get(kind, LOOKS[""])
             reach = 2 * error if np.isfinite(error) else 0.0
             axes.errorbar(value, place, xerr=reach, fmt=marker, color=colour, ms=4.5, elinewidth=1.0)
@@ -49,12 +48,8 @@ def side_by_side(table: pd.DataFrame) -> Figure:
     grid[0].set_yticks(shown.index, names)
     grid[0].set_ylim(len(shown) - 0.4, -0.6)
     kinds = [kind for kind in LOOKS if kind in set(status)]
-    handles = [style.mark(LOOKS[kind][0], LOOKS[kind][1], LOOKS[kind][2]) for kind in kinds]
+    handles = [style.mark(*LOOKS[kind]) for kind in kinds]
     figure.legend(handles=handles, loc="outside upper left", ncols=len(handles))
     emulated = {"emulated": "yes" if (shown["emulated"] == "yes").any() else "no"}
-    about = [
-        "bars: ± 2 standard uncertainties",
-        f"could not be used: {', '.join(left)}" if len(left) else "",
-        style.emulated_note(emulated),
-    ]
-    return style.footnote(figure, *about)
+    lost = f"could not be used: {', '.join(left)}" if len(left) else ""
+    return style.footnote(figure, "bars: ± 2 standard uncertainties", lost, style.emulated_note(emulated))

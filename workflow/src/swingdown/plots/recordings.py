@@ -27,18 +27,12 @@ def used_part(recording: xr.Dataset) -> Figure:
     for axes in (whole, beginning):
         axes.plot(time, signal, color=LEFT_OUT, lw=0.9, label="left out" if not used.all() else None)
         axes.plot(time[used], signal[used], color=style.INK, lw=0.9, label="used")
-        axes.plot(
-            time[spikes], signal[spikes], "x", color=EDGE, label="spikes, left out" if spikes.any() else None
-        )
+        words = "spikes, left out" if spikes.any() else None
+        axes.plot(time[spikes], signal[spikes], "x", color=EDGE, label=words)
         for key, words in (("released_s", "released"), ("begins_s", "used from"), ("ends_s", "used until")):
             if key in told:
-                axes.axvline(
-                    told[key],
-                    color=EDGE,
-                    lw=0.9,
-                    ls="--" if key == "released_s" else "-",
-                    label=f"{words} {told[key]:.2f} s",
-                )
+                dashes = "--" if key == "released_s" else "-"
+                axes.axvline(told[key], color=EDGE, lw=0.9, ls=dashes, label=f"{words} {told[key]:.2f} s")
         axes.set(xlabel="time as recorded (s)", ylabel=f"signal ({recording['signal'].attrs['units']})")
         axes.grid(True)
     whole.set_xlim(time[0], time[-1])

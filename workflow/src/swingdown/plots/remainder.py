@@ -40,12 +40,9 @@ def remainder(
     upper.colorbar(drawn, ax=left, label=f"missing torque ({unit}/s²)", pad=0.02)
     _sizes(right, told["lacks"], unit + "/s" * (told.get("reading") == RATE))
     _course(lower.subplots(), course, unit)
-    return style.footnote(
-        figure,
-        f"campaign {told['campaign']}",
-        "blank: not determined; small points: less than two standard errors",
-        "torque over inertia; what the model's own values imitate is open",
-    )
+    blank = "blank: not determined; small points: less than two standard errors"
+    torque = "torque over inertia; what the model's own values imitate is open"
+    return style.footnote(figure, f"campaign {told['campaign']}", blank, torque)
 
 
 def _map(axes: Axes, table: pd.DataFrame, unit: str) -> Any:
@@ -55,9 +52,8 @@ def _map(axes: Axes, table: pd.DataFrame, unit: str) -> Any:
     drawn = None
     for forward in (True, False):
         side = np.signbit(table["speed_rad_per_s"]) != forward
-        grid = table.assign(shown=shown)[side].pivot_table(
-            "shown", "speed_rad_per_s", "angle_rad", dropna=False
-        )
+        one = table.assign(shown=shown)[side]
+        grid = one.pivot_table("shown", "speed_rad_per_s", "angle_rad", dropna=False)
         drawn = axes.pcolormesh(
             shown_in(grid.columns, unit)[0], grid.index, np.ma.masked_invalid(grid.to_numpy()), cmap=_COLOURS,
             vmin=-largest, vmax=largest, shading="gouraud" if grid.notna().all(axis=None) else "nearest", rasterized=True,
@@ -89,18 +85,13 @@ def _course(axes: Axes, course: pd.DataFrame, unit: str) -> None:
     one = course[course["swing"] == size.idxmax()]
     time, torque, band = (one[name].to_numpy() for name in ("time_s", "torque", "band"))
     time = time - time[0]
-    axes.fill_between(
-        time, torque - 2 * band, torque + 2 * band, color=style.FAINT, lw=0, label="± 2 standard errors"
-    )
+    low, high = torque - 2 * band, torque + 2 * band
+    axes.fill_between(time, low, high, color=style.FAINT, lw=0, label="± 2 standard errors")
     axes.plot(time, torque, color="#0072B2", lw=0.8, label="missing torque")
     _marked(axes, time, np.abs(torque) > _PLAIN * band)
     axes.axhline(0, color=style.GREY, lw=0.6)
-    axes.set(
-        xlabel=style.TIME,
-        ylabel=f"({unit}/s²)",
-        title=f"when it acts: {one['swing'].iloc[0]}",
-        xlim=(time[0], time[-1]),
-    )
+    title = f"when it acts: {one['swing'].iloc[0]}"
+    axes.set(xlabel=style.TIME, ylabel=f"({unit}/s²)", title=title, xlim=(time[0], time[-1]))
     axes.margins(y=0.2)
     axes.legend(loc="upper left", ncols=3)
 

@@ -42,11 +42,8 @@ def fig07(apparatus: Mapping[str, Any]) -> Figure:
     _layout(_canvas(drawing, (-3.75, 2.75), (-0.35, 4.75)))
     _canvas(words, (0, 1), (0, 1)).set_aspect("auto")
     _length_table(words, apparatus)
-    return style.footnote(
-        figure,
-        style.emulated_note(apparatus),
-        "drawn not to scale; ±: the limits within which each length lies",
-    )
+    limits = "drawn not to scale; ±: the limits within which each length lies"
+    return style.footnote(figure, style.emulated_note(apparatus), limits)
 
 
 def _layout(axes: Axes) -> None:
@@ -62,12 +59,10 @@ def _layout(axes: Axes) -> None:
     for centre, radius, shade in ((shaft, shaft_radius, "#e9edf1"), (bob, bob_radius, STEEL)):
         _edge(Circle(_xy(centre), radius, facecolor=shade), axes, 4)
         axes.plot(*centre, "+", color=style.INK, ms=7, mew=0.9, zorder=6)
-    axes.add_patch(
-        Arc(_xy(shaft), 2.1, 2.1, theta1=-90 + np.degrees(tilt), theta2=-90, color=MOTION, lw=1.2, zorder=5)
-    )
-    _label(
-        axes, *_xy(shaft + 1.27 * np.array([np.sin(tilt / 2), -np.cos(tilt / 2)])), r"$\theta$", MOTION, 14
-    )
+    begin = -90 + np.degrees(tilt)
+    axes.add_patch(Arc(_xy(shaft), 2.1, 2.1, theta1=begin, theta2=-90, color=MOTION, lw=1.2, zorder=5))
+    inside = shaft + 1.27 * np.array([np.sin(tilt / 2), -np.cos(tilt / 2)])
+    _label(axes, *_xy(inside), r"$\theta$", MOTION, 14)
     measured = style.COLOURS["quadratic_drag"]
     across = np.array([-reach[1], reach[0]]) * -1
     _dimension(axes, shaft, bob, r"$l_\mathrm{arm}$", 0.6 * across, reach=0.12, colour=measured)

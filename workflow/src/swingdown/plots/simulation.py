@@ -39,9 +39,8 @@ def fig02(realizations: xr.Dataset) -> Figure:
     for axes in (upper, lower):
         axes.grid(True, axis="y")
     figure.align_ylabels()
-    return style.footnote(
-        figure, "simulated", _settings(realizations), _inferred(realizations, "release angle, duration")
-    )
+    inferred = _inferred(realizations, "release angle, duration")
+    return style.footnote(figure, "simulated", _settings(realizations), inferred)
 
 
 @style.styled
@@ -82,15 +81,13 @@ def norms_of(simulated: str, norms: xr.Dataset, table2: pd.DataFrame) -> Figure:
         axes.text(fitted.index(simulated), 0.985, "the true model", transform=axes.get_xaxis_transform(), ha="center",
                   va="top", fontsize=9, color=style.GREY)  # fmt: skip
     count = int(data.sizes["realization"])
-    style.legend_above(
-        axes,
-        [
-            style.mark("o", style.GREY, "Nelder–Mead" if apart else "Nelder–Mead and least squares alike"),
-            *([style.mark("D", style.GREY, "least squares, where it differs")] if apart else []),
-            style.mark("s", style.INK, "the paper", hollow=True),
-            style.mark(".", style.FAINT, f"each of {count} realisations"),
-        ],
-    )
+    handles = [
+        style.mark("o", style.GREY, "Nelder–Mead" if apart else "Nelder–Mead and least squares alike"),
+        *([style.mark("D", style.GREY, "least squares, where it differs")] if apart else []),
+        style.mark("s", style.INK, "the paper", hollow=True),
+        style.mark(".", style.FAINT, f"each of {count} realisations"),
+    ]
+    style.legend_above(axes, handles)
     title = f"{style.name(simulated).capitalize()} damping simulated ({symbol(simulated, mathtext=True)})"
     axes.set_title(title, pad=24)
     bars = "marks with bars: mean ± standard deviation; truth: the noise-free series"

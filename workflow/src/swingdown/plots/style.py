@@ -57,14 +57,20 @@ NAMES = {
 }
 
 # Only fonts that come with matplotlib, so that a figure looks the same, byte for byte, on every machine.
+_TICKS = {
+    "labelsize": 9,
+    "color": GREY,
+    "labelcolor": INK,
+    "major.width": 0.7,
+    "major.size": 3,
+    "minor.size": 1.8,
+}
 RC: dict[str, Any] = {
     "font.family": "STIXGeneral",
     "mathtext.fontset": "stix",
     "font.size": 10,
     "axes.titlesize": 10,
     "axes.titlelocation": "left",
-    "xtick.labelsize": 9,
-    "ytick.labelsize": 9,
     "legend.fontsize": 9,
     "legend.frameon": False,
     "legend.handlelength": 1.8,
@@ -76,18 +82,8 @@ RC: dict[str, Any] = {
     "axes.edgecolor": GREY,
     "axes.labelcolor": INK,
     "axes.axisbelow": True,
-    "axes.unicode_minus": True,
     "text.color": INK,
-    "xtick.color": GREY,
-    "ytick.color": GREY,
-    "xtick.labelcolor": INK,
-    "ytick.labelcolor": INK,
-    "xtick.major.width": 0.7,
-    "ytick.major.width": 0.7,
-    "xtick.major.size": 3,
-    "ytick.major.size": 3,
-    "xtick.minor.size": 1.8,
-    "ytick.minor.size": 1.8,
+    **{f"{axis}tick.{key}": value for axis in "xy" for key, value in _TICKS.items()},
     "grid.color": "#e3e6e9",
     "grid.linewidth": 0.6,
     "lines.linewidth": 1.2,
@@ -394,9 +390,8 @@ def save(figure: Figure, path: str | Path, note: str = "") -> list[Path]:
     for artist in figure.findobj():
         if isinstance(artist, Line2D | PolyCollection) and _points(artist) > _MANY:
             artist.set_rasterized(True)
-    targets = (
-        [path] if path.suffix in _NO_TRACE else [path.with_name(path.name + suffix) for suffix in _NO_TRACE]
-    )
+    both = [path.with_name(path.name + suffix) for suffix in _NO_TRACE]
+    targets = [path] if path.suffix in _NO_TRACE else both
     for target in targets:
         with writing(target) as partial:
             figure.savefig(partial, format=target.suffix[1:], dpi=DPI, metadata=_NO_TRACE[target.suffix])

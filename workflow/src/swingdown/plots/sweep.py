@@ -47,17 +47,13 @@ def probability(maps: xr.Dataset, name: str) -> Figure:
     """
     data = maps[name]
     if not np.isfinite(data.values).any():
-        return style.absent(
-            "This sweep has fewer than ten draws a cell, or leaves one of the paper's models out."
-        )
+        why = "This sweep has fewer than ten draws a cell, or leaves one of the paper's models out."
+        return style.absent(why)
     axes = maps.attrs["axes"].split()
     numeric = [dim for dim in axes if maps[dim].dtype.kind in "fi"]
     x, y = (numeric[-1], numeric[-2]) if len(numeric) > 1 else (numeric[-1] if numeric else axes[-1], None)
-    column = (
-        "simulated"
-        if "simulated" in axes and "simulated" not in (x, y) and maps.sizes["simulated"] < 5
-        else None
-    )
+    free = "simulated" in axes and "simulated" not in (x, y)
+    column = "simulated" if free and maps.sizes["simulated"] < 5 else None
     rest = [dim for dim in axes if dim not in (x, y, column)]
     chosen, rest, fixed = _with_room(maps, rest, _MOST_ROWS)
     rows = list(np.ndindex(*(maps.sizes[dim] for dim in rest)))
@@ -71,9 +67,8 @@ def probability(maps: xr.Dataset, name: str) -> Figure:
         here = chosen | dict(zip(rest, place, strict=True))
         for panel, label in zip(row, columns, strict=True):
             one = data.isel(here).sel({column: label}) if column else data.isel(here)
-            shown = _map(
-                panel, one.transpose(y, x).values if y else one.values[np.newaxis], 7.5 if crowded < 20 else 6
-            )
+            values = one.transpose(y, x).values if y else one.values[np.newaxis]
+            shown = _map(panel, values, 7.5 if crowded < 20 else 6)
             turned = crowded > 16 or max(len(_text(v)) for v in maps[x].values) * crowded > 60
             panel.set_xticks(range(maps.sizes[x]), [_text(v) for v in maps[x].values], rotation=90 if turned else 0,
                              fontsize=9 if crowded < 20 else 7)  # fmt: skip
@@ -102,16 +97,14 @@ def probability(maps: xr.Dataset, name: str) -> Figure:
 
 def _map(panel: Axes, values: np.ndarray, size: float) -> AxesImage:
     """One map with its numbers."""
-    scale = TwoSlopeNorm(CLAIM, 0.0, 1.0)
-    shown = panel.imshow(
-        100 * values, origin="lower", aspect="auto", cmap=_SCALE, norm=TwoSlopeNorm(100 * CLAIM, 0, 100)
-    )
+    scale, percents = TwoSlopeNorm(CLAIM, 0.0, 1.0), TwoSlopeNorm(100 * CLAIM, 0, 100)
+    shown = panel.imshow(100 * values, origin="lower", aspect="auto", cmap=_SCALE, norm=percents)
     for (j, i), value in np.ndenumerate(values):
-        strong = abs(scale(value) - 0.5) > 0.36 if np.isfinite(value) else False
-        text = f"{100 * value:.0f}" if np.isfinite(value) else "×"
-        panel.text(
-            i, j, text, ha="center", va="center", fontsize=size, color="white" if strong else style.INK
-        )
+        text, colour = "×", style.INK
+        if np.isfinite(value):
+            text, strong = f"{100 * value:.0f}", abs(scale(value) - 0.5) > 0.36
+            colour = "white" if strong else style.INK
+        panel.text(i, j, text, ha="center", va="center", fontsize=size, color=colour)
     panel.tick_params(length=0)
     panel.spines[:].set_visible(False)
     return shown
@@ -119,9 +112,8 @@ def _map(panel: Axes, values: np.ndarray, size: float) -> AxesImage:
 
 def _bar(figure: Figure, shown: AxesImage, panels: np.ndarray, height: float) -> None:
     """The scale, with as many labels as a figure of that height (cm) has room for."""
-    bar = figure.colorbar(
-        shown, ax=panels, location="right", shrink=min(1.0, 6.0 / height), aspect=28, pad=0.02
-    )
+    short = min(1.0, 6.0 / height)
+    bar = figure.colorbar(shown, ax=panels, location="right", shrink=short, aspect=28, pad=0.02)
     ticks = [0, 25, 50, 68, 85, 100] if height > 4 else [0, 68, 100]
     words = {0: "0", 68: "68 %\n(paper)" if height > 4 else "68 % (paper)", 100: "100 %"}
     bar.set_ticks(ticks, labels=[words.get(tick, str(tick)) for tick in ticks])
@@ -169,9 +161,8 @@ def detection(maps: xr.Dataset) -> Figure:
     rest = [dim for dim in axes if dim not in ("effect", "size")]
     effects = range(maps.sizes["effect"]) if column else [None]
     chosen, rest, fixed = _with_room(maps, rest, max(1, _MOST_PANELS // len(effects)))
-    places = [
-        (effect, place) for effect in effects for place in np.ndindex(*(maps.sizes[dim] for dim in rest))
-    ]
+    each = list(np.ndindex(*(maps.sizes[dim] for dim in rest)))
+    places = [(effect, place) for effect in effects for place in each]
     wide = min(4, len(places))
     tall = -(-len(places) // wide)
     lines = 1 + len(rest)
@@ -179,11 +170,9 @@ def detection(maps: xr.Dataset) -> Figure:
     panels = figure.subplots(tall, wide, squeeze=False, sharey=True).ravel()
     for panel in panels[len(places) :]:
         panel.set_visible(False)
-    order = [
-        word
-        for word in _WORDS
-        if word in maps["said"].values and (word != "failed" or float(maps["share"].sel(said=word).max()) > 0)
-    ]
+    order = [word for word in _WORDS if word in maps["said"].values]
+    if "failed" in order and not float(maps["share"].sel(said="failed").max()) > 0:
+        order.remove("failed")
     for panel, (effect, place) in zip(panels, places, strict=False):
         here = chosen | dict(zip(rest, place, strict=True)) | ({} if effect is None else {"effect": effect})
         _bars(panel, maps.isel(here), order)
@@ -205,11 +194,7 @@ def detection(maps: xr.Dataset) -> Figure:
 
 def _bars(panel: Axes, maps: xr.Dataset, order: Sequence[str]) -> None:
     """The shares of one effect over its sizes, one upon the other."""
-    sizes = (
-        np.atleast_1d(maps["size"].values)
-        if "size" in maps.dims
-        else np.array([maps.attrs.get("size", np.nan)])
-    )
+    sizes = np.atleast_1d(maps["size"].values if "size" in maps.dims else maps.attrs.get("size", np.nan))
     places, below, turned = np.arange(sizes.size), np.zeros(sizes.size), sizes.size > 6
     for word in ("named", "among_others", "unknown", "wrong", "failed", "nothing"):
         if word in order:
@@ -221,17 +206,15 @@ def _bars(panel: Axes, maps: xr.Dataset, order: Sequence[str]) -> None:
     ends = 100 * np.array([(named - low)[made], (high - named)[made]]).clip(0)
     panel.errorbar(places[made], 100 * named[made], ends, fmt="none", ecolor=style.INK, elinewidth=0.8)
     left, reached = np.atleast_1d(maps["left_by_base"].values), np.atleast_1d(maps["reached"].values)
+    rotation = 90 if turned else 0
     for k in range(sizes.size):
         if not made[k]:
             panel.text(k, 3, "×", ha="center", va="bottom", fontsize=9)
         elif reached[k] == 0:
             panel.bar(k, 100, width=0.78, fill=False, hatch="////", ec=style.INK, lw=0, alpha=0.45)
-            panel.text(
-                k, 102.5, f"{left[k]:.2g}", ha="center", va="bottom", fontsize=7, rotation=90 if turned else 0
-            )
-    panel.set_xticks(
-        places, [_text(v) for v in sizes], rotation=90 if turned else 0, fontsize=8 if turned else 9
-    )
+            told = f"{left[k]:.2g}"
+            panel.text(k, 102.5, told, ha="center", va="bottom", fontsize=7, rotation=rotation)
+    panel.set_xticks(places, [_text(v) for v in sizes], rotation=rotation, fontsize=8 if turned else 9)
     panel.set(xlabel="size (σ of the noise)", yticks=range(0, 101, 25))
     panel.tick_params(axis="x", length=0)
 

@@ -60,11 +60,7 @@ def detection(scores: pd.DataFrame) -> Figure:
     """Shares of right verdicts against the effect's size, of false alarms and abstentions, and the time of each campaign."""
     figure = style.new_figure(12)
     grid = figure.add_gridspec(2, 2)
-    left, right, below = (
-        figure.add_subplot(grid[0, 0]),
-        figure.add_subplot(grid[0, 1]),
-        figure.add_subplot(grid[1, :]),
-    )
+    left, right, below = (figure.add_subplot(place) for place in (grid[0, 0], grid[0, 1], grid[1, :]))
     _by_size(left, scores[scores["kind"] == "single"])
     _others(right, scores)
     _times(below, scores)
@@ -79,12 +75,8 @@ def _by_size(axes: Axes, single: pd.DataFrame) -> None:
     axes.set_xscale("log")
     axes.set_xticks(sizes, [f"{ratio:g}" for ratio in sizes], minor=False)
     axes.minorticks_off()
-    axes.set(
-        xlabel="residual of the base model over noise",
-        ylabel="percent of campaigns",
-        ylim=(-4, 104),
-        title="(a) one effect hidden",
-    )
+    axes.set(xlabel="residual of the base model over noise", ylabel="percent of campaigns")
+    axes.set(ylim=(-4, 104), title="(a) one effect hidden")
     axes.legend(loc="center left")
     axes.grid(True, axis="y")
 
@@ -98,12 +90,8 @@ def _others(axes: Axes, scores: pd.DataFrame) -> None:
             told = f"{words}, {part.sum()} of {len(part)}"
             style.noted(axes, told, (0, place - 0.22), (2, 2), va="bottom", fontsize=8.5)
     axes.set_yticks([])
-    axes.set(
-        xlim=(0, 104),
-        ylim=(len(_TRIALS) - 0.6, -0.75),
-        xlabel="percent of campaigns",
-        title="(b) the other trials",
-    )
+    axes.set(xlabel="percent of campaigns", title="(b) the other trials")
+    axes.set(xlim=(0, 104), ylim=(len(_TRIALS) - 0.6, -0.75))
 
 
 def _times(axes: Axes, scores: pd.DataFrame) -> None:

@@ -75,34 +75,24 @@ def _labelled(section: Section, material: Material) -> Section:
 
 def head(material: Material) -> Head:
     """What stands above and below the report's sections."""
+    spoken = material.spoken
     swings = [recording for recording in material.recordings if recording.get("role") != "static"]
     campaigns = list(dict.fromkeys(recording["campaign"] for recording in swings))
-    kind = f" ({material.spoken.text('emulated')})" if material.emulated else ""
+    kind = f" ({spoken.text('emulated')})" if material.emulated else ""
     if material.own:
-        title = (
-            "What stops this pendulum?"
-            if len(campaigns) == 1
-            else f"What stops these {len(campaigns)} pendulums?"
-        )
-        few = len(swings) <= 3
-        many = material.spoken.text(f"{len(swings)} recordings")
-        read = [_read(one, material.spoken) for one in swings] if few else [many]
-        subtitle = str(Markup("; ").join(read) + kind)
-        notices = [OWN_EMULATED.format(campaigns=", ".join(material.emulated))] if material.emulated else []
+        title, emulated = f"What stops these {len(campaigns)} pendulums?", OWN_EMULATED
+        if len(campaigns) == 1:
+            title = "What stops this pendulum?"
+        many = spoken.text(f"{len(swings)} recordings")
+        read = [_read(one, spoken) for one in swings] if len(swings) <= 3 else [many]
+        subtitle: str = Markup(Markup("; ").join(read) + kind)
     else:
-        title = "Damping of a swinging pendulum"
+        title, emulated = "Damping of a swinging pendulum", EMULATED
         subtitle = f"{len(swings)} swings of {', '.join(campaigns)}{kind}" if swings else "Simulation study"
-        notices = [EMULATED.format(campaigns=", ".join(material.emulated))] if material.emulated else []
-    notices += notice(material)
+    notices = [emulated.format(campaigns=", ".join(material.emulated))] if material.emulated else []
+    told = [words(one, spoken) for one in (*notices, *notice(material))]
     footer = "Made by swingdown. The datasets behind every table and figure lie in the results folder beside this page."
-    spoken = material.spoken
-    return Head(
-        spoken.text(title),
-        Markup(subtitle) if material.own else subtitle,
-        [words(one, spoken) for one in notices],
-        spoken.text(footer),
-        spoken.code,
-    )
+    return Head(spoken.text(title), subtitle, told, spoken.text(footer), spoken.code)
 
 
 def _read(recording: dict[str, Any], spoken: Language) -> Markup:

@@ -52,17 +52,13 @@ class Material:
 
     def shown(self, *names: str) -> list[Figure]:
         """The figures of those names that were made."""
-        return [
-            Figure(
-                f"Figure {int(name.removeprefix('fig'))}",
-                *self.figures[name],
-                f"figures/{name}.svg",
-                name,
-                tuple(self.emulated) if name >= "fig08" else (),
-            )
-            for name in names
-            if name in self.figures
-        ]
+        found = []
+        for name in names:
+            if name not in self.figures:
+                continue
+            label, of = f"Figure {int(name.removeprefix('fig'))}", self.emulated if name >= "fig08" else ()
+            found.append(Figure(label, *self.figures[name], f"figures/{name}.svg", name, tuple(of)))
+        return found
 
 
 def read_tables(paths: Iterable[str | Path]) -> dict[str, pd.DataFrame]:

@@ -100,10 +100,6 @@ class Table:
     of: tuple[str, ...] = ()
     sortable: bool = False
 
-    @property
-    def anchor(self) -> str:
-        return _anchor(self.label)
-
     def html(self, spoken: Language) -> Markup:
         head = Markup("").join(
             Markup("<th{}>{}{}</th>").format(_class(one.style), one.head, _each("<small>{}</small>", filter(None, [one.unit])))
@@ -117,7 +113,7 @@ class Table:
             '<div class="scroll{}" id="{}">\n<table{}>\n<caption><b>{}.</b> {}{}</caption>\n'
             "<thead><tr>{}</tr></thead>\n<tbody>\n{}</tbody>\n</table>\n</div>\n{}"
         ).format(
-            " wide" if len(self.columns) > _WIDE else "", self.anchor, _class("sortable" if self.sortable else ""),
+            " wide" if len(self.columns) > _WIDE else "", _anchor(self.label), _class("sortable" if self.sortable else ""),
             self.label, self.caption, _origin(self, spoken), head, rows,
             Markup('<ul class="notes">{}</ul>\n').format(_each("<li>{}</li>", self.notes)) if self.notes else "",
         )  # fmt: skip
@@ -150,28 +146,21 @@ class Figure:
     numbers: Markup | None = None
 
     @property
-    def anchor(self) -> str:
-        return _anchor(self.label)
-
-    @property
-    def source(self) -> str:
-        path = Path(self.path)
-        return f"data:{_MEDIA[path.suffix]};base64,{base64.b64encode(read_bytes(path)).decode()}"
-
-    @property
     def caption(self) -> Markup:
         return Markup(rst(self.text))
 
     def html(self, spoken: Language) -> Markup:
         picture = Markup("<noscript>It is drawn where the page may run its own script.</noscript>")
         if self.path:
-            picture = Markup('<img src="{}" alt="{}">').format(self.source, self.label)
+            drawn = base64.b64encode(read_bytes(self.path)).decode()
+            source = f"data:{_MEDIA[Path(self.path).suffix]};base64,{drawn}"
+            picture = Markup('<img src="{}" alt="{}">').format(source, self.label)
             picture = Markup('<a href="{}">{}</a>').format(self.link, picture) if self.link else picture
         numbers = Markup('<div class="live"></div><script type="application/json">{}</script>\n')
         return Markup(
             '<figure id="{}"{}>\n{}\n{}<figcaption><b>{}.</b> {}{}</figcaption>\n</figure>\n'
         ).format(
-            self.anchor, Markup(" data-trace") if self.numbers else "", picture,
+            _anchor(self.label), Markup(" data-trace") if self.numbers else "", picture,
             numbers.format(self.numbers) if self.numbers else "", self.label, self.caption, _origin(self, spoken),
         )  # fmt: skip
 
@@ -188,26 +177,21 @@ class Section:
     folded: bool = False
 
     @property
-    def anchor(self) -> str:
-        return _anchor(self.title)
-
-    @property
     def listed(self) -> list[Table | Figure]:
         return [item for item in self.items if isinstance(item, Table | Figure)]
 
     def entry(self) -> Markup:
         """Its line in the table of contents."""
-        listed = Markup("").join(_ENTRY.format(one.anchor, one.label, "") for one in self.listed)
-        return _ENTRY.format(
-            self.anchor, self.title, Markup("\n<ol>{}</ol>\n").format(listed) if listed else ""
-        )
+        listed = Markup("").join(_ENTRY.format(_anchor(one.label), one.label, "") for one in self.listed)
+        inside = Markup("\n<ol>{}</ol>\n").format(listed) if listed else ""
+        return _ENTRY.format(_anchor(self.title), self.title, inside)
 
     def html(self, spoken: Language) -> Markup:
         head, end = Markup("<h2>{}</h2>\n").format(self.title), ""
         if self.folded:
             head, end = Markup("<details><summary>{}</summary>\n").format(head), Markup("</details>\n")
         items = Markup("").join(one.html(spoken) for one in self.items)
-        return Markup('<section id="{}">\n{}{}{}</section>\n').format(self.anchor, head, items, end)
+        return Markup('<section id="{}">\n{}{}{}</section>\n').format(_anchor(self.title), head, items, end)
 
 
 _ENTRY = Markup('<li><a href="#{}">{}</a>{}</li>\n')
@@ -238,11 +222,8 @@ def rst(text: str) -> str:
     if not _MARKED.search(text):
         return str(escape(text.strip()))
     options = {"math_output": "HTML", "report_level": 3, "halt_level": 5, "file_insertion_enabled": False}
-    body = (
-        needed("docutils.core")
-        .publish_parts(text, writer="html5", settings_overrides=options)["body"]
-        .strip()
-    )
+    parts = needed("docutils.core").publish_parts(text, writer="html5", settings_overrides=options)
+    body = parts["body"].strip()
     single = re.fullmatch(r"<p>(.*)</p>", body, re.DOTALL)
     return single[1] if single and "<p>" not in single[1] else body
 

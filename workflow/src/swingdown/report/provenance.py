@@ -47,9 +47,7 @@ def _commit() -> str:
     try:
         if git("rev-parse", "--show-toplevel").stdout.strip() != str(PROJECT):
             return ""
-        changed = (
-            " with changes" if git("status", "--porcelain", "--untracked-files=no").stdout.strip() else ""
-        )
-        return git("rev-parse", "HEAD").stdout.strip() + changed
+        changed = git("status", "--porcelain", "--untracked-files=no").stdout.strip()
+        return git("rev-parse", "HEAD").stdout.strip() + (" with changes" if changed else "")
     except (OSError, subprocess.TimeoutExpired):
         return ""

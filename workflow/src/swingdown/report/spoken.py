@@ -30,13 +30,9 @@ def words(text: str, spoken: Language) -> str:
         return spoken.text(text)
     parts = _TAG.split(str(text))
     named = [k for k in range(2, len(parts), 2) if parts[k - 1] == "<code>"]  # stays as it is in a file
-    return Markup(
-        "".join(part if k % 2 or k in named else _escaped(part, spoken) for k, part in enumerate(parts))
-    )
-
-
-def _escaped(part: str, spoken: Language) -> str:
-    return str(escape(spoken.text(unescape(part))))
+    for k in set(range(0, len(parts), 2)) - set(named):
+        parts[k] = str(escape(spoken.text(unescape(parts[k]))))
+    return Markup("".join(parts))
 
 
 def _item(item: Item, spoken: Language) -> Item:

@@ -56,10 +56,8 @@ def section(sweeps: Mapping[str, Made]) -> Section:
     """The section of all sweeps that were computed."""
     items: list[Item] = []
     for name, one in sweeps.items():
-        title = name.replace("_", " ")
-        items.append(
-            _identified(title, one.table) if "true_by_norm" in one.table else _detected(title, one.table)
-        )
+        title, kind = name.replace("_", " "), _identified if "true_by_norm" in one.table else _detected
+        items.append(kind(title, one.table))
         items += [Figure(f"Sweep {title}, {_MAPS[map]}", path, caption) for map, path, caption in one.maps]
     if items:
         items.insert(0, Findings([line for name, one in sweeps.items() for line in _said(name, one.table)]))
@@ -76,24 +74,17 @@ def _said(name: str, table: pd.DataFrame) -> Iterator[str]:
     if "reached" in table and (short := int((table["reached"] == 0).sum())):
         yield f"{name}: in {short} of {len(table)} cells no size of the hidden effect leaves what was asked for; the table has what it leaves."
     if "true_by_norm" in table:
-        parts = (
-            table.groupby("start", sort=False)
-            if "start" in table and table["start"].nunique() > 1
-            else [("", table)]
-        )
-        for start, rows in parts:
-            how = ""
+        several = "start" in table and table["start"].nunique() > 1
+        for start, rows in table.groupby("start", sort=False) if several else [("", table)]:
+            how = ten = ""
             if start:
                 how = f", fits {'that start at rest at the first sample' if start == 'rest' else 'with the release fitted'}"
+            if rows["true_by_ten"].notna().any():
+                ten = f", and in the paper's own comparison (mean norm of ten runs, four models) in {_reached(rows['true_by_ten'])}"
             yield (
                 f"{name}{how}: averaged over all cells the true model has the lowest norm in {_percent(rows['true_by_norm'])} of the swings and "
                 f"the lowest BIC in {_percent(rows['true_by_bic'])}. The paper's 68 % is reached in {_reached(rows['true_by_norm'])} cells by "
-                f"norm, in {_reached(rows['true_by_bic'])} by BIC"
-                + (
-                    f", and in the paper's own comparison (mean norm of ten runs, four models) in {_reached(rows['true_by_ten'])}."
-                    if rows["true_by_ten"].notna().any()
-                    else "."
-                )
+                f"norm, in {_reached(rows['true_by_bic'])} by BIC{ten}."
             )
     else:
         if "size" in table:
@@ -109,17 +100,15 @@ def _said(name: str, table: pd.DataFrame) -> Iterator[str]:
 
 
 def _identified(title: str, table: pd.DataFrame) -> Table:
-    by = [
-        name for name in ("simulated", "start", "noise") if name in table and table[name].nunique() > 1
-    ] or [table.columns[0]]
+    by = [name for name in ("simulated", "start", "noise") if name in table and table[name].nunique() > 1]
+    by = by or [table.columns[0]]
     names = [name for name in _LABELS if table[name].notna().any()]
     columns = [Column(name.replace("_", " ")) for name in by] + [Column("cells", style="n")]
     columns += [Column(_LABELS[name], "mean % · cells ≥ 68 %", "n") for name in names]
     rows: list[list[Cell]] = []
     for keys, part in table.groupby(by, sort=False):
-        values = [
-            f"{100 * part[name].mean():.0f} · {int((part[name] >= CLAIM / 100).sum())}" for name in names
-        ]
+        shares = [part[name] for name in names]
+        values = [f"{100 * one.mean():.0f} · {int((one >= CLAIM / 100).sum())}" for one in shares]
         rows.append([*map(in_words, keys), len(part), *values])
     caption = "How often the model that was simulated is the one that is told, and in how many cells at least as often as the paper's 68 %."
     notes = (
@@ -140,11 +129,9 @@ def _detected(title: str, table: pd.DataFrame) -> Table:
          *(_number(100 * row[name], ".0f") for name in ("found", "named", "said_among_others", "said_unknown", "said_wrong"))]
         for _, row in table.iterrows()
     ]  # fmt: skip
-    opened = groups(table[by[0]]) if by else ()
+    opened, notes = groups(table[by[0]]) if by else (), (f"{_counts(table['made'])} campaigns a row.",)
     caption = "What discovery said of campaigns with one effect more than its base model."
-    return Table(
-        f"Sweep {title}", caption, columns, rows, (f"{_counts(table['made'])} campaigns a row.",), opened
-    )
+    return Table(f"Sweep {title}", caption, columns, rows, notes, opened)
 
 
 def _counts(column: pd.Series) -> str:

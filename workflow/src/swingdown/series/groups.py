@@ -53,12 +53,11 @@ class Comparison:
         shown = f"{self.chi2:.0f}" if self.chi2 >= 1000 else f"{self.chi2:.3g}"
         chance = f"chi² {shown} for {self.dof}, {self.chance}"
         names = [str(one) for one in self.table["group"]]
+        all_of_them = " and ".join(names) if len(names) == 2 else f"the {len(names)} groups"
         if self.p >= BEYOND:
-            return (
-                f"{' and '.join(names) if len(names) == 2 else f'the {len(names)} groups'} agree ({chance})"
-            )
+            return f"{all_of_them} agree ({chance})"
         if len(names) == 2:
-            return f"{' and '.join(names)} do not agree ({chance})"
+            return f"{all_of_them} do not agree ({chance})"
         if not self.apart or len(self.apart) > len(names) / 2:
             return f"the {len(names)} groups do not agree, and none stands out ({chance})"
         some = ", ".join(self.apart)

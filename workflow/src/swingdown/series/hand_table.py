@@ -87,10 +87,7 @@ class HandTable(NamedTuple):
     def seconds(self, path: Path) -> pd.DataFrame:
         """The times of one swing by line and column, NaN for empty cells.
 
-        Raises
-        ------
-        InputError
-            If the heads do not say of how many swings the times are, or a cell is no number above 0.
+        InputError if the heads do not say of how many swings the times are, or a cell is no number above 0.
         """
         if not self.times[0].swings:
             raise InputError(f"{path.name}, column {self.times[0].name}", "it does not say how many swings each time covers", COUNTED, "write it into the head")  # fmt: skip
@@ -228,15 +225,10 @@ def _between_spaces(lines: Sequence[Sequence[str]], place: int) -> Sequence[Sequ
     below = lines[place + 1 :]
     size = len([name for name in lines[place] if name])
     rows = [[one for one in cells if one] for cells in below]
-    parted = [
-        cells[0].split() if len(cells) == 1 and not cells[0].startswith("#") else cells for cells in rows
-    ]
-    whole = (
-        size > 1
-        and any(len(cells) == 1 for cells in rows)
-        and all(len(cells) in (0, size) for cells in parted)
-    )
-    return parted if whole else below
+    single = [len(cells) == 1 and not cells[0].startswith("#") for cells in rows]
+    parted = [cells[0].split() if one else cells for cells, one in zip(rows, single, strict=True)]
+    whole = any(len(cells) == 1 for cells in rows) and all(len(cells) in (0, size) for cells in parted)
+    return parted if size > 1 and whole else below
 
 
 def _head_lines(lines: Sequence[Sequence[str]]) -> list[int]:

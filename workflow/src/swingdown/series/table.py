@@ -91,13 +91,13 @@ class Series:
         parts = [f"{kind.symbol}{less} goes as the power {power} of {self.by}{beside}"]
         if np.isfinite(law.theory):
             verdict = "which agrees" if self.away <= _AGREES else "which does not agree"
-            parts.append(
-                f"theory says {law.theory:g}, {verdict} ({self.away:.1f} standard uncertainties away)"
-            )
+            away = f"{self.away:.1f} standard uncertainties away"
+            parts.append(f"theory says {law.theory:g}, {verdict} ({away})")
         if told is not law:
             parts.append(f"without one the power is {value_with_uncertainty(law.exponent, law.u_exponent)}")
-        parts += [law.scatter.sentence, self.gravity.sentence if self.gravity else "", self._unstated()]
-        return "; ".join(one for one in parts if one)
+        parts += [law.scatter.sentence, self.gravity.sentence if self.gravity else ""]
+        parts += [] if (self.table["u_x"] > 0).any() else [f"the uncertainty of {self.by} was not given"]
+        return "; ".join(filter(None, parts))
 
     @property
     def told(self) -> PowerLaw | ShiftedLaw | None:
@@ -117,9 +117,8 @@ class Series:
             What was varied, in ``unit``.
         """
         assert self.law
-        return (
-            self.law.by_theory(x) if self.told is self.law or not self.gravity else self.gravity.by_theory(x)
-        )
+        shared = self.gravity if self.told is not self.law else None
+        return (shared or self.law).by_theory(x)
 
     @property
     def away(self) -> float:
@@ -134,9 +133,6 @@ class Series:
         if not (self.law and self.gravity and self.law.away > _AGREES and self.gravity.off):
             return False
         return self.told is not self.law and self.away <= _AGREES
-
-    def _unstated(self) -> str:
-        return f"the uncertainty of {self.by} was not given" if not (self.table["u_x"] > 0).any() else ""
 
     def to_dict(self) -> dict[str, Any]:
         """A dict of plain numbers and texts."""
@@ -197,21 +193,16 @@ def series_of(
     InputError
         If ``by`` is no such column.
     """
-    measured = _quantities_in(table)
+    measured, groups = _quantities_in(table), groups or {}
     columns = list(dict.fromkeys(column for own in values.values() for column in own))
-    words = list(dict.fromkeys(column for own in (groups or {}).values() for column in own))
+    words = list(dict.fromkeys(column for own in groups.values() for column in own))
     found: list[Series] = []
     for column in [one for one in columns if by in ("", one)]:
-        found += _against(
-            measured, {key: own[column] for key, own in values.items() if column in own}, column
-        )
+        stated = {key: own[column] for key, own in values.items() if column in own}
+        found += _against(measured, stated, column)
     for column in [one for one in words if by in ("", one)]:
-        found += _between(
-            measured,
-            {key: own[column] for key, own in (groups or {}).items() if column in own},
-            column,
-            values,
-        )
+        member = {key: own[column] for key, own in groups.items() if column in own}
+        found += _between(measured, member, column, values)
     if by and not found:
         known = ", ".join((*columns, *words)) or "none"
         raise InputError(
@@ -231,11 +222,7 @@ def _against(measured: pd.DataFrame, values: Mapping[str, Stated], column: str) 
     found = []
     for quantity in SHOWN.get(column, tuple(KINDS)):
         own = _with(chosen, quantity)
-        if (
-            own["x"].nunique() < FEWEST
-            or own.loc[own["x"] > 0, "x"].nunique() < FEWEST
-            or (own["x"] < 0).any()
-        ):
+        if own.loc[own["x"] > 0, "x"].nunique() < FEWEST or (own["x"] < 0).any():
             continue
         points = own["x"], own["y"], own["u_x"], own["u_y"]
         law = power_law(*points, THEORY.get((column, quantity), np.nan))
@@ -300,9 +287,8 @@ def _with(chosen: pd.DataFrame, quantity: str) -> pd.DataFrame:
     """The recordings that have a quantity with its uncertainty, as y and u_y."""
     own = chosen.rename(columns={quantity: "y", f"{quantity}_u": "u_y"})
     own = own[np.isfinite(own["y"]) & (own["y"] > 0) & np.isfinite(own["u_y"]) & (own["u_y"] > 0)]
-    return own[
-        [name for name in ("recording", "label", "x", "u_x", "group", "y", "u_y") if name in own]
-    ].reset_index(drop=True)
+    names = [name for name in ("recording", "label", "x", "u_x", "group", "y", "u_y") if name in own]
+    return own[names].reset_index(drop=True)
 
 
 def as_table(found: Sequence[Series]) -> pd.DataFrame:
@@ -319,9 +305,8 @@ def as_table(found: Sequence[Series]) -> pd.DataFrame:
         ``by`` (what was varied) with its unit, ``quantity`` with its unit, then the columns of each series.
     """
     if not found:
-        return pd.DataFrame(
-            columns=["recording", "label", "by", "by_unit", "quantity", "unit", "x", "u_x", "y", "u_y"]
-        )
+        names = ["recording", "label", "by", "by_unit", "quantity", "unit", "x", "u_x", "y", "u_y"]
+        return pd.DataFrame(columns=names)
     parts = []
     for one in found:
         part = one.table.copy()

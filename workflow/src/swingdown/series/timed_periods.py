@@ -104,12 +104,8 @@ def timed(path: Path, by: str = "", u: float = np.nan) -> Timed | None:
     for own in values.values():
         if by in own and not own[by].uncertainty >= 0:
             own[by] = own[by]._replace(uncertainty=u)
-    others = [
-        name
-        for name, one in alike.items()
-        if not (one.angle or one.column in (*KNOWN, GROUP, by))
-        and len({text for text in given.cells[name] if read(text)}) > 1
-    ]
+    unknown = [name for name, one in alike.items() if not (one.angle or one.column in (*KNOWN, GROUP, by))]
+    others = [name for name in unknown if len({text for text in given.cells[name] if read(text)}) > 1]
     return Timed(table, values, groups, others, told, "yes" if given.emulated else "no")
 
 
@@ -176,16 +172,12 @@ def _of_trials(
     trials = [times.loc[lines].stack().dropna().to_numpy() for lines in which.values()]
     free = sum(one.size - 1 for one in trials)
     pooled = sum(float(((one - one.mean()) ** 2).sum()) for one in trials) / free if free else 0.0
-    table = pd.DataFrame(
-        {
-            "recording": [f"line-{'-'.join(map(str, lines))}" for lines in which.values()],
-            "label": [
-                f"line{'s' * (len(lines) > 1)} {', '.join(map(str, lines))}" for lines in which.values()
-            ],
-            "period_s": [float(one.mean()) for one in trials],
-            "period_s_u": [float(np.sqrt((pooled + digit**2 / 12) / one.size)) for one in trials],
-        }
-    )
+    rows = []
+    for lines, one in zip(which.values(), trials, strict=True):
+        numbers, u = list(map(str, lines)), float(np.sqrt((pooled + digit**2 / 12) / one.size))
+        label = f"line{'s' * (len(lines) > 1)} {', '.join(numbers)}"
+        rows.append((f"line-{'-'.join(numbers)}", label, float(one.mean()), u))
+    table = pd.DataFrame(rows, columns=["recording", "label", "period_s", "period_s_u"])
     return table, [lines[0] for lines in which.values()], trials, float(np.sqrt(pooled))
 
 
@@ -235,9 +227,8 @@ def _of_lengths(values: Values, periods: Mapping[str, float], given: HandTable, 
         if abs(g * factor / ON_EARTH - 1) < NEAR:
             for name, one in lengths.items():
                 values[name]["length"] = Stated(one.value * factor, one.uncertainty * factor, "m")
-            return [
-                f"no unit of the lengths is stated: TAKEN AS {unit}, as in m they would give g = {g:.3g} m/s²"
-            ]
+            would = f"as in m they would give g = {g:.3g} m/s²"
+            return [f"no unit of the lengths is stated: TAKEN AS {unit}, {would}"]
     for swings in range(2, MOST + 1) if given.times[0].swings == 1 else ():
         if abs(g * swings**2 / ON_EARTH - 1) < NEAR / swings:
             raise InputError(

@@ -141,19 +141,13 @@ def table_beside(paths: Iterable[Path]) -> Path | None:
 
 def _opened(path: Path) -> pd.DataFrame:
     """The table, its cells as text, indexed by line; what follows the last head, and lines that begin with ``#``, are left out."""
-    lines, _ = cells_of(path, path)
-    filled = [
-        (number, cells)
-        for number, cells in enumerate(lines, 1)
-        if any(cells) and not cells[0].startswith("#")
-    ]
+    lines = enumerate(cells_of(path, path)[0], 1)
+    filled = [(number, cells) for number, cells in lines if any(cells) and not cells[0].startswith("#")]
     (_, heads), *rows = filled or [(1, [""])]
     if len(set(heads)) < len(heads):
         raise InputError(path, "two of its columns have one name", "a name of its own for each column", "rename one of them")  # fmt: skip
-    size = len(heads)
-    return pd.DataFrame(
-        [[*cells, *[""] * size][:size] for _, cells in rows], [number for number, _ in rows], heads, dtype=str
-    )
+    size, numbers = len(heads), [number for number, _ in rows]
+    return pd.DataFrame([[*cells, *[""] * size][:size] for _, cells in rows], numbers, heads, dtype=str)
 
 
 def from_table(path: Path, labels: Mapping[str, str]) -> tuple[Values, dict[str, dict[str, str]]]:

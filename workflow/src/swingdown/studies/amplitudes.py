@@ -65,35 +65,19 @@ def half_swings_of(data: xr.Dataset, restoring: str = "sine") -> HalfSwings:
 def of_samples(
     name: str, times: Floats, angle: Floats, scaled: bool = True, quiet: Floats | None = None
 ) -> HalfSwings:
-    """The half-swings of a sampled swing.
+    """The half-swings of a sampled swing: times (s) and angle (rad), both of shape (sample,), whose scale is known if ``scaled``.
 
-    Parameters
-    ----------
-    name
-        The recording, which an error names.
-    times, angle
-        In s and rad, both of shape (sample,).
-    scaled
-        Whether the angle's scale is known.
-    quiet
-        The same swing without its noise, by which its passages and sides are told; None where it has little.
-
-    Raises
-    ------
-    InputError
-        If there are fewer than four half-swings, or too few samples in each.
+    ``quiet`` is the same swing without its noise, by which its passages and sides are told; None where it has little. InputError, which names
+    the recording, if there are fewer than four half-swings, or too few samples in each.
     """
     quiet = angle if quiet is None else quiet
-    rough = _passages(times, quiet)
-    centre = _centre(times, quiet, rough) if rough.size >= 4 else 0.0
-    rough = _passages(times, quiet - centre) if rough.size >= 4 else rough
+    rough, centre = _passages(times, quiet), 0.0
+    if rough.size >= 4:
+        centre = _centre(times, quiet, rough)
+        rough = _passages(times, quiet - centre)
     if rough.size < 4:
-        raise InputError(
-            f"recording {name}",
-            f"it passes its middle {rough.size} times",
-            "at least four half-swings",
-            "record longer",
-        )
+        problem = f"it passes its middle {rough.size} times"
+        raise InputError(f"recording {name}", problem, "at least four half-swings", "record longer")
     half = np.diff(rough)
     each = float(np.median(half) / np.median(np.diff(times)))  # samples of a half-swing
     turn, through = (
@@ -107,23 +91,15 @@ def of_samples(
     passes = _polynomials(times, angle - centre, rough, widths, 3)
     noise = _noise(turns, passes)
     if not np.isfinite(noise):
-        raise InputError(
-            f"recording {name}",
-            f"only {each:.2g} samples in each half-swing",
-            "at least ten",
-            "record with more samples a second",
-        )
+        problem = f"only {each:.2g} samples in each half-swing"
+        raise InputError(f"recording {name}", problem, "at least ten", "record with more samples a second")
     number = np.concatenate([[0], np.cumsum(steps_between(half))])
     place, size, u_size = turns.vertex(noise)
     at, u_at, slope = passes.root(noise)
     single = np.diff(number) == 1
-    loud = (
-        np.isfinite(size)
-        & (np.abs(size - centre) > _ABOVE * noise)
-        & single
-        & (ordered * (size - centre) > 0)
-    )
-    lost = np.isfinite(size) & single & ~loud
+    told = np.isfinite(size) & single
+    loud = told & (np.abs(size - centre) > _ABOVE * noise) & (ordered * (size - centre) > 0)
+    lost = told & ~loud
     last = int(np.argmax(lost)) if lost.any() else loud.size
     loud[last:] = False  # what comes after the first that is lost in the noise is chosen by the noise
     passed = np.isfinite(at)
@@ -143,11 +119,10 @@ def _of_rate(name: str, times: Floats, rate: Floats, restoring: str, scaled: boo
     found = of_samples(name, times, rate, scaled, calmed(times, rate, ends_quiet=False))
     frequency = first_guess(times, rate, restoring, RATE).natural_frequency
     share = np.abs(found.angle) / frequency
+    size, slope = share, np.full(share.size, 1 / frequency)
     if restoring == "sine":
-        size = 2 * np.arcsin(np.minimum(share / 2, 0.99))
-        slope = 1 / np.sqrt(1 - np.minimum(share / 2, 0.99) ** 2) / frequency
-    else:
-        size, slope = share, np.full(share.size, 1 / frequency)
+        half = np.minimum(share / 2, 0.99)
+        size, slope = 2 * np.arcsin(half), 1 / np.sqrt(1 - half**2) / frequency
     return found._replace(angle=np.sign(found.angle) * size, u_angle=found.u_angle * slope, passages=False)
 
 
@@ -158,9 +133,8 @@ def _of_points(data: xr.Dataset, name: str) -> HalfSwings:
     turns = turns_of(data)
     size = turns.angles.size
     if size < 5:
-        raise InputError(
-            f"recording {name}", f"{size} turning points", "at least five", "write down more of them"
-        )
+        told = f"{size} turning points", "at least five", "write down more of them"
+        raise InputError(f"recording {name}", *told)
     even = turns.halves.astype(float)
     u_angle = turns.u_angles if np.isfinite(turns.u_angles) else max(turns.angle_step / np.sqrt(12), 1e-3 * np.abs(turns.angles).max())  # fmt: skip
     timed = about["points"] != COUNTED
@@ -218,33 +192,37 @@ class _Local(NamedTuple):
     def _value(self, at: Floats, noise: float) -> tuple[Floats, Floats]:
         powers = at[:, np.newaxis] ** np.arange(self.coefficients.shape[1])
         variance = np.einsum("ki,kij,kj->k", powers, self.covariance, powers)
-        return np.sum(powers * self.coefficients, axis=1), noise * np.sqrt(np.maximum(variance, 0.0))
-
-    def _zero(self, coefficients: Floats) -> Floats:
-        """Where these polynomials (window, power) are zero near the middle of their windows: Newton's steps; nan beyond the windows."""
-        at = np.zeros(len(coefficients))
-        order = np.arange(coefficients.shape[1])
-        for _ in range(6):
-            powers = at[:, np.newaxis] ** order
-            slope = np.sum(coefficients[:, 1:] * order[1:] * powers[:, :-1], axis=1)
-            with np.errstate(divide="ignore", invalid="ignore"):
-                at = at - np.sum(coefficients * powers, axis=1) / slope
-            at = np.where(np.abs(at) < 1, at, np.nan)
-        return at
+        return _at(self.coefficients, at), noise * np.sqrt(np.maximum(variance, 0.0))
 
     def vertex(self, noise: float) -> tuple[Floats, Floats, Floats]:
         """Time (s) and value of the turn in each window, and the value's standard uncertainty; nan where there is none."""
-        at = self._zero(self.coefficients[:, 1:] * np.arange(1, self.coefficients.shape[1]))
-        value, error = self._value(at, noise)
-        return self.centres + at * self.widths, value, error
+        at = _zero(_slopes(self.coefficients))
+        return self.centres + at * self.widths, *self._value(at, noise)
 
     def root(self, noise: float) -> tuple[Floats, Floats, Floats]:
         """Time (s) of the zero in each window, its standard uncertainty, and the slope there (a second); nan where there is none."""
-        at = self._zero(self.coefficients)
-        order = np.arange(self.coefficients.shape[1])
-        powers = at[:, np.newaxis] ** order
-        slope = np.sum(self.coefficients[:, 1:] * order[1:] * powers[:, :-1], axis=1) / self.widths
+        at = _zero(self.coefficients)
+        slope = _at(_slopes(self.coefficients), at) / self.widths
         return self.centres + at * self.widths, self._value(at, noise)[1] / np.abs(slope), slope
+
+
+def _at(coefficients: Floats, at: Floats) -> Floats:
+    """The values of polynomials (window, power), each at a place of its own."""
+    return np.sum(coefficients * at[:, np.newaxis] ** np.arange(coefficients.shape[1]), axis=1)
+
+
+def _slopes(coefficients: Floats) -> Floats:
+    return coefficients[:, 1:] * np.arange(1, coefficients.shape[1])
+
+
+def _zero(coefficients: Floats) -> Floats:
+    """Where these polynomials (window, power) are zero near the middle of their windows: Newton's steps; nan beyond the windows."""
+    at = np.zeros(len(coefficients))
+    for _ in range(6):
+        with np.errstate(divide="ignore", invalid="ignore"):
+            at = at - _at(coefficients, at) / _at(_slopes(coefficients), at)
+        at = np.where(np.abs(at) < 1, at, np.nan)
+    return at
 
 
 def _polynomials(times: Floats, values: Floats, centres: Floats, widths: Floats, degree: int) -> _Local:
@@ -275,8 +253,5 @@ def _noise(*parts: _Local) -> float:
     """The standard deviation of single samples about the polynomials; nan where none has enough."""
     kept = [np.isfinite(one.squares) for one in parts]
     freedom = sum(float(one.freedom[good].sum()) for one, good in zip(parts, kept, strict=True))
-    if not freedom > 0:
-        return float("nan")
-    return float(
-        np.sqrt(sum(float(one.squares[good].sum()) for one, good in zip(parts, kept, strict=True)) / freedom)
-    )
+    squares = sum(float(one.squares[good].sum()) for one, good in zip(parts, kept, strict=True))
+    return float(np.sqrt(squares / freedom)) if freedom > 0 else float("nan")

@@ -49,10 +49,8 @@ def _campaign(campaign: str, norms: xr.Dataset) -> pd.DataFrame:
     by_model = {key: over(norms, key, *_EACH) for key in _BY_MODEL}
     by_model["terms"] = terms_of(norms)
     samples = norms["samples"].values
-    models = [
-        (label, {key: all[k] for key, all in by_model.items()})
-        for k, label in enumerate(as_text(norms["fitted"]))
-    ]
+    labels = enumerate(as_text(norms["fitted"]))
+    models = [(label, {key: all[k] for key, all in by_model.items()}) for k, label in labels]
     rows = [_pair(a, b, samples) for a, b in combinations(models, 2)]
     table = pd.DataFrame(rows, columns=["model_a", "model_b", "mean_difference", "standard_error", "t", "p", "wilcoxon_p",
                                         "delta_bic", "delta_bic_effective", "n"])  # fmt: skip
@@ -126,9 +124,8 @@ def _effective(first: Mapping[str, Floats], second: Mapping[str, Floats], sample
     better = first["norm"] < second["norm"]
     inflation = np.where(better, first["variance_inflation"], second["variance_inflation"])
     independent = np.maximum(samples / inflation, 2.0)
-    return 2 * independent * np.log(first["norm"] / second["norm"]) + (
-        first["terms"] - second["terms"]
-    ) * np.log(independent)
+    more = first["terms"] - second["terms"]
+    return 2 * independent * np.log(first["norm"] / second["norm"]) + more * np.log(independent)
 
 
 def holm(p: Floats) -> Floats:

@@ -66,9 +66,8 @@ def _evidence(norms: xr.Dataset, catalogue: Catalogue) -> tuple[list[str], Float
         over(norms, key, "fitted", "parameter").reshape(len(labels), len(known), -1)
         for key in ("value", "standard_error")
     )
-    sound = ~((values[:, at] < 0).any(axis=(1, 2)) | _beyond_bounds(values, known, effects)) & np.isfinite(
-        evidence
-    )
+    sound = np.isfinite(evidence) & ~(values[:, at] < 0).any(axis=(1, 2))
+    sound &= ~_beyond_bounds(values, known, effects)
     unsure = np.all(np.abs(values[:, at]) < errors[:, at], axis=2)
     sound &= [not _ran_away(k, compress(sized, unsure[k]), labels, evidence) for k in range(len(labels))]
     # of a frequency within its standard error of none no pendulum is seen, but a friction that winds up as a spring does
@@ -77,11 +76,9 @@ def _evidence(norms: xr.Dataset, catalogue: Catalogue) -> tuple[list[str], Float
     told = np.isfinite(errors).any(axis=(1, 2))
     sound &= told | ~told.any()
     # swings that keep their size have no sound law: a friction that winds up would follow their shape as a spring does
-    plain = [
-        k for k, label in enumerate(labels) if not any(catalogue[one].states for one in label.split("+"))
-    ]
-    usable = np.flatnonzero(sound).tolist() or plain or list(range(len(labels)))
-    return labels, evidence, usable
+    winds_up = [any(catalogue[one].states for one in label.split("+")) for label in labels]
+    plain = [k for k, one in enumerate(winds_up) if not one]
+    return labels, evidence, np.flatnonzero(sound).tolist() or plain or list(range(len(labels)))
 
 
 def _beyond_bounds(values: Floats, known: Sequence[str], effects: Iterable[Effect]) -> Bools:
@@ -113,24 +110,18 @@ def rivals(norms: xr.Dataset, label: str, catalogue: Catalogue = SHIPPED) -> lis
     that include none of the others."""
     labels, evidence, usable = _evidence(norms, catalogue)
     chosen = evidence[labels.index(label)]
-    near = [
-        labels[k]
-        for k in usable
-        if evidence[k] - chosen <= WORTH and not _includes(labels[k], label, catalogue)
-    ]
-    return [
-        one for one in near if not any(one != other and _includes(one, other, catalogue) for other in near)
-    ]
+    near = [labels[k] for k in usable if evidence[k] - chosen <= WORTH]
+    near = [one for one in near if not _includes(one, label, catalogue)]
+    inside = {one for one in near for other in near if one != other and _includes(one, other, catalogue)}
+    return [one for one in near if one not in inside]
 
 
 def _includes(label: str, other: str, catalogue: Catalogue) -> bool:
     """True where the model ``label`` has each effect of another one, or an effect that becomes it: a drag by a power of the speed is viscous at the
     first power."""
-    there = set(label.split("+"))
-    there |= {
-        simpler.name for name in tuple(there) if name in catalogue for simpler in catalogue[name].contains
-    }
-    return set(other.split("+")) <= there
+    own = label.split("+")
+    simpler = {one.name for name in own if name in catalogue for one in catalogue[name].contains}
+    return set(other.split("+")) <= {*own, *simpler}
 
 
 def weights(norms: xr.Dataset, catalogue: Catalogue = SHIPPED) -> dict[str, float]:
@@ -153,48 +144,24 @@ def over_laws(
 ) -> dict[str, Quantity]:
     """Natural frequency, period, quality and decay time by name, whichever law of damping holds, and the parameters of the ``known`` models.
 
-    Parameters
-    ----------
-    norms
-        Over fitted, parameter and parameter_2, of one recording.
-    weight
-        How much each law counts, by label (``weights``).
-    amplitude
-        The angle at which they hold, rad.
-    catalogue
-        The one that the models are of.
-    known
-        The quantities of models by label, where they are known already.
-
-    Returns
-    -------
-    dict
-        The means over the laws; an uncertainty holds that of each law, and how far they are apart. A parameter keeps the value of its model.
+    They are the means over the laws at an amplitude (rad); an uncertainty holds that of each law, and how far they are apart. A parameter keeps
+    the value of its model. ``norms`` are over fitted, parameter and parameter_2, of one recording; ``weight`` is how much each law counts, by
+    label (``weights``), ``known`` the quantities of models by label, where they are known already.
     """
-    known = known or {}
-    told = {name: one for own in known.values() for name, one in own.items() if name not in UNITS}
-    each = [
-        (share, known.get(label) or described(norms, label, catalogue, amplitude)[1])
-        for label, share in weight.items()
-    ]
+    own = dict(known or {})
+    told = {name: one for found in own.values() for name, one in found.items() if name not in UNITS}
+    own |= {label: described(norms, label, catalogue, amplitude)[1] for label in weight if not own.get(label)}
+    each = [(share, own[label]) for label, share in weight.items()]
     return about(told, each) | over_models(each, UNITS)
 
 
 def described(
     norms: xr.Dataset, label: str, catalogue: Catalogue = SHIPPED, amplitude: float | None = None
 ) -> tuple[float, dict[str, Quantity]]:
-    """The amplitude (rad) at which the quantities of one recording hold, and these by name.
+    """The amplitude (rad) at which the quantities of one recording hold, by default the largest fitted angle, and these by name.
 
-    Parameters
-    ----------
-    norms
-        Over fitted, parameter and parameter_2: of one recording, or of several fitted together.
-    label
-        Of the model.
-    catalogue
-        The effects that the model is made of.
-    amplitude
-        In rad. Default: the largest fitted angle.
+    ``norms`` are over fitted, parameter and parameter_2, of one recording or of several fitted together; ``label`` is that of the model,
+    ``catalogue`` has the effects that it is made of.
     """
     model, covariance = values_of(norms, label, catalogue)
     if amplitude is None:
@@ -217,13 +184,7 @@ def _beside(norms: xr.Dataset, label: str, model: Model) -> Beside | None:
 
 
 def values_of(norms: xr.Dataset, label: str, catalogue: Catalogue = SHIPPED) -> tuple[Model, Floats]:
-    """The fitted model, and the covariance of its parameters in the order of ``Model.parameters``.
-
-    Parameters
-    ----------
-    norms, label, catalogue
-        As of ``described``.
-    """
+    """The fitted model, and the covariance of its parameters in the order of ``Model.parameters``; arguments as of ``described``."""
     options = {key: str(norms.attrs[key]) for key in ("restoring", "form") if key in norms.attrs}
     model = Model(tuple(label.split("+")), catalogue=catalogue, **options).of(reading_of(norms))  # type: ignore[arg-type]
     # by position: a selection by name of a whole dataset takes longer than a fit

@@ -83,14 +83,15 @@ def ask_free(fits: xr.Dataset, angle: xr.Dataset, fitted: Sequence[Model], start
     The question is asked of the models ``fitted``, with the ``fits`` of ``fit_any``, and where they do not follow the swing, of those of
     damping in general: a short list may lack the right one.
     """
-    known, restoring, form = fitted[0].catalogue, fitted[0].restoring, fitted[0].form
+    known, restoring = fitted[0].catalogue, fitted[0].restoring
     try:
         check_free(fits, angle, label := describes(fits, known), known)
     except NotFree:
         usual = everyday(restoring)
         if {model.label for model in fitted} >= set(usual):
             raise
-        general = [Model(tuple(label.split("+")), {}, {}, restoring, form, known) for label in usual]
+        named = [tuple(label.split("+")) for label in usual]
+        general = [Model(one, {}, {}, restoring, fitted[0].form, known) for one in named]
         more = fit_any(angle, general, start)
         check_free(more, angle, label := describes(more, known), known)
         fits = more
@@ -131,8 +132,7 @@ def unit_in_doubt(angles: Sequence[xr.Dataset], restoring: str = "sine") -> str:
         return found.doubt(unit)
     doubt = found.doubt(unit) or _lacking(found, pairs).doubt(unit)
     if not doubt:
-        where_told = found.told or restoring != "sine"
-        if where_told:
+        if found.told or restoring != "sine":
             return ""
         return f"no unit is stated: taken for {unit}, and the swings are too small to tell it from {unit.replace('rad', 'deg')}"
     names = ", ".join(str(one.attrs["recording"]) for one in angles)
@@ -153,22 +153,9 @@ def _lacking(found: Scale, swings: Sequence[Swing]) -> Scale:
 
 
 def fit_any(angle: xr.Dataset, fitted: Sequence[Model], start: str = "free") -> xr.Dataset:
-    """The fits of a swing, whatever moves it.
+    """The fits of a swing, whatever moves it; arguments and Dataset as of ``experiment.fit_recording``.
 
-    Parameters
-    ----------
-    angle, fitted, start
-        As of ``fit_free``.
-
-    Returns
-    -------
-    xarray.Dataset
-        As ``experiment.fit_recording``.
-
-    Raises
-    ------
-    InputError
-        If the swing is too short, or the fit breaks off, as on what no pendulum does.
+    InputError if the swing is too short, or the fit breaks off, as on what no pendulum does.
     """
     try:
         return fit_recording(angle, fitted, start=start)
@@ -182,23 +169,11 @@ def followed(
     fit_one: Callable[..., xr.Dataset] = fit_free,
     alone: bool = False,
 ) -> tuple[xr.Dataset, xr.Dataset]:
-    """The angles of a recording with their fits: of one that no model follows, those of its longest free stretch.
+    """The angles of a recording (``measurement.angle.to_angle``) with their fits of the models ``known``: of one that no model follows, those
+    of its longest free stretch.
 
-    Parameters
-    ----------
-    angle
-        As ``measurement.angle.to_angle`` returns it.
-    known
-        The models to fit.
-    fit_one
-        ``fit_free`` or ``fit_any``.
-    alone
-        Whether it has no others beside it, and is read once more by who asks.
-
-    Raises
-    ------
-    InputError
-        As of ``fit_one``, where no stretch is followed either.
+    ``fit_one`` is ``fit_free`` or ``fit_any``. One that is ``alone`` has no others beside it, and is read once more by who asks. InputError as
+    of ``fit_one``, where no stretch is followed either.
     """
     try:
         return angle, fit_one(angle, known)
@@ -276,21 +251,8 @@ def check_free(fits: xr.Dataset, given: xr.Dataset, label: str, catalogue: Catal
             "a pendulum that swings by itself, or the drive that was measured",
             "name the column of the drive ⟨in input_column⟩, or leave out what it drives (⟨start_s⟩ and ⟨stop_s⟩)",
         )
-    late = 0.0 if "half_swings" in given else late_stamps(given["time"].values, quiet_of(given))
-    if late and not left <= LEFT:
-        raise NotFree(
-            f"recording {name}",
-            f"its swings die away evenly, and their periods scatter by {100 * late:.0f} %: its times are not those of its samples, as where a "
-            "program stamps them late",
-            "the time at which each sample was taken",
-            "let the board that reads the sensor count the time, or film it",
-        )
     if not left <= LEFT:
-        raise _not_free(
-            given,
-            f"it does not move as a pendulum that swings by itself: the best model of damping leaves {100 * left:.3g} % of it{_where(given)}",
-            f"at most {100 * LEFT:.0f} %",
-        )
+        raise _not_followed(given, left)
     effects = [catalogue[one] for one in label.split("+")]
     sizes = [one.size.name for one in effects if one.size and one.one_sided]
     losses = {
@@ -365,12 +327,26 @@ def ask_counted(table: pd.DataFrame, angles: Sequence[xr.Dataset]) -> dict[str, 
     return courses
 
 
-def _where(given: xr.Dataset) -> str:
-    """From when to when the most swings could be a pendulum's, as words that follow a refusal; empty where there is none."""
-    part = None if "half_swings" in given else free_part(given["time"].values, quiet_of(given))
-    if part:
-        return f"; from {part[0]:.3f} to {part[1]:.3f} s alone its swings are in step and do not grow"
-    return ""
+def _not_followed(given: xr.Dataset, left: float) -> NotFree:
+    """The refusal of what the best model leaves so large a share of: its times are wrong, or it is no free swing."""
+    where = ""
+    if "half_swings" not in given:
+        times, values = given["time"].values, quiet_of(given)
+        if late := late_stamps(times, values):
+            return NotFree(
+                f"recording {given.attrs['recording']}",
+                f"its swings die away evenly, and their periods scatter by {100 * late:.0f} %: its times are not those of its samples, as where a "
+                "program stamps them late",
+                "the time at which each sample was taken",
+                "let the board that reads the sensor count the time, or film it",
+            )
+        if part := free_part(times, values):
+            where = f"; from {part[0]:.3f} to {part[1]:.3f} s alone its swings are in step and do not grow"
+    return _not_free(
+        given,
+        f"it does not move as a pendulum that swings by itself: the best model of damping leaves {100 * left:.3g} % of it{where}",
+        f"at most {100 * LEFT:.0f} %",
+    )
 
 
 def _check_even(given: xr.Dataset) -> None:

@@ -133,32 +133,18 @@ def fit_campaign(
 ) -> xr.Dataset:
     """A Dataset (fitted, recording, parameter, parameter_2) of models fitted to all swings of a campaign together.
 
-    The parameters are shared, each swing has its own release. ``rms`` (rad) and ``norm`` (degrees) are by swing.
-
-    Parameters
-    ----------
-    angles
-        Datasets as ``fit_recording`` takes them.
-    fitted, start
-        As in ``fit_recording``.
-
-    Raises
-    ------
-    InputError
-        If there is no swing, or one too short to fit, or without an angle.
+    The parameters are shared, each swing has its own release. ``rms`` (rad) and ``norm`` (degrees) are by swing. The arguments are as in
+    ``fit_recording``, with a dataset for each swing. InputError if there is no swing, or one too short to fit, or without an angle.
     """
     for why in sharing(angles)[1].values():
         raise why
     if not angles:
-        raise InputError(
-            "campaign", "there is no swing to fit", "at least one", "add swings to the sample sheet"
-        )
+        mend = "add swings to the sample sheet"
+        raise InputError("campaign", "there is no swing to fit", "at least one", mend)
     angles = in_one_step(angles)
     swings = [_swing(angle) for angle in angles]
-    series = [
-        swing_under(drive_of(angle), times, values)
-        for angle, (_, times, values) in zip(angles, swings, strict=True)
-    ]
+    pairs = zip(angles, swings, strict=True)
+    series = [swing_under(drive_of(angle), times, values) for angle, (_, times, values) in pairs]
     reading = read_alike(str(angles[0].attrs.get("campaign", "")), angles)
     models = [as_model(one).of(reading) for one in fitted]
     slack = of_angles(angles)
@@ -177,14 +163,11 @@ def fit_campaign(
     variables["record_s"] = ("recording", [float(times[-1] - times[0]) for times, _ in series])
     about = [facts_of(angle) for angle in angles]
     variables |= prior_of(slack)
-    coords |= slack_of(any_of(fits)) | {
-        "parameter_2": dataset.variable("parameter_2", names, "other parameter"),
-        "recording": dataset.variable("recording", [name for name, *_ in swings], "recording"),
-        **{
-            key: dataset.variable("recording", [one[key][0] for one in about], text)
-            for key, (_, text) in about[0].items()
-        },
-    }
+    told = {"recording": ([name for name, *_ in swings], "recording")}
+    told |= {key: ([one[key][0] for one in about], text) for key, (_, text) in about[0].items()}
+    coords |= slack_of(any_of(fits))
+    coords["parameter_2"] = dataset.variable("parameter_2", names, "other parameter")
+    coords |= {key: dataset.variable("recording", *one) for key, one in told.items()}
     emulated = "yes" if "yes" in coords["emulated"][1] else "no"
     attrs = options_of(models, start) | {"emulated": emulated, "campaign": coords["campaign"][1][0]}
     return in_units(labelled(xr.Dataset(variables, coords, attrs)), models[0].reading)
@@ -214,11 +197,8 @@ def _fits(models: Sequence[Model], swings: Sequence[Swing], slack: Slack, start:
     def in_place(model: Model, fit: Fit | None) -> list[Begin]:
         if fit is None:
             return []
-        begun = fit.begin.swings
-        return [
-            Begin(model, tuple(one._replace(values=values) for one in begun))
-            for values in stand_ins(model, fit.model)
-        ]
+        each = stand_ins(model, fit.model)
+        return [Begin(model, tuple(one._replace(values=own) for one in fit.begin.swings)) for own in each]
 
     def allowed(fit: Fit | None) -> Fit | None:
         if fit is None or not slack.names:  # the clock is in the fit already
@@ -257,12 +237,9 @@ def _swing(angle: xr.Dataset) -> tuple[str, Floats, Floats]:
         return name, times, series
     crossings = np.count_nonzero(np.diff(np.signbit(series - np.median(series))))
     if times.size < 4 * _ENOUGH or crossings < _ENOUGH + 1:
-        raise InputError(
-            f"recording {name}",
-            f"too few swings to fit: the angle crosses its middle {crossings} times",
-            f"at least {_ENOUGH} whole half-swings",
-            "record longer, or widen ⟨start_s⟩ and ⟨stop_s⟩",
-        )
+        problem = f"too few swings to fit: the angle crosses its middle {crossings} times"
+        mend = "record longer, or widen ⟨start_s⟩ and ⟨stop_s⟩"
+        raise InputError(f"recording {name}", problem, f"at least {_ENOUGH} whole half-swings", mend)
     try:
         first_guess(times, series, reading=str(dataset.series_of(angle).name))
     except InputError as problem:

@@ -20,18 +20,14 @@ from .norms import Variable, spread
 
 One = TypeVar("One")
 
+_OF_EACH = ("value", "coverage_factor", *(f"{kind}standard_error" for kind in ("", "random_", "systematic_")))
 DIMS: dict[str, tuple[str, ...]] = {
-    "fit": ("fitted", "time"),
-    "residual": ("fitted", "time"),
+    **dict.fromkeys(("fit", "residual", "time_residual"), ("fitted", "time")),
     **dict.fromkeys(("correlation", "covariance"), ("fitted", "parameter", "parameter_2")),
-    **dict.fromkeys(
-        ("value", "standard_error", "random_standard_error", "systematic_standard_error", "coverage_factor"),
-        ("fitted", "parameter"),
-    ),
+    **dict.fromkeys(_OF_EACH, ("fitted", "parameter")),
     "systematic": ("fitted", "parameter", "source"),
     "course_shift": ("fitted", "course"),
     "course_covariance": ("fitted", "course", "course_2"),
-    "time_residual": ("fitted", "time"),
     **dict.fromkeys(("nuisance_value", "nuisance_standard_error"), ("fitted", "nuisance")),
 }
 
@@ -41,13 +37,13 @@ def row_of_fit(
 ) -> dict[str, Any]:
     """What is kept of every fit, by name."""
     known = uncertainty(fit, swings, free=True)
-    systematic = np.sqrt(np.sum(known.systematic**2, axis=1))
     parts = {
         "standard_error": standard_errors(known.covariance),
         "random_standard_error": standard_errors(known.random),
-        "systematic_standard_error": systematic,
+        "systematic_standard_error": np.sqrt(np.sum(known.systematic**2, axis=1)),
         "coverage_factor": known.factors,
     }
+    correlation = known.covariance / np.outer(parts["standard_error"], parts["standard_error"])
     errors = {key: dict(zip(fit.free, values, strict=True)) for key, values in parts.items()}
     nuisance = fit.model.slack.parameters
     by_source = dict(zip(fit.free, known.systematic, strict=True))
@@ -60,9 +56,9 @@ def row_of_fit(
         "nuisance_standard_error": spread(errors["standard_error"], nuisance),
         "zero": fit.model.values.get(ZERO, np.nan) if ZERO in nuisance else np.nan,
         "zero_u": errors["standard_error"].get(ZERO, np.nan) if ZERO in nuisance else np.nan,
-        "correlation": over_names(_correlated(known.covariance), fit.free, names),
+        "correlation": over_names(correlation, fit.free, names),
         "covariance": over_names(known.covariance, fit.free, names),
-        "condition_number": _condition(known.covariance),
+        "condition_number": float(np.linalg.cond(correlation)) if np.isfinite(correlation).all() else np.nan,
         "reduced_chi2": _reduced_chi2(fit, swings, angles),
         "bic": fit.bic,
         "aicc": fit.aicc,
@@ -90,16 +86,9 @@ def _beside(known: Uncertainty, fit: Fit, names: Sequence[str]) -> dict[str, Any
 
 
 def largest_angles(fit: Fit, swings: Sequence[Swing], courses: Courses | None = None) -> list[float]:
-    """The largest angle (rad) of each fitted swing's motion, about where it hangs.
+    """The largest angle (rad) of the motion of each of these swings (times in s, readings), fitted together, about where it hangs.
 
-    Parameters
-    ----------
-    fit
-        Of the swings together.
-    swings
-        Times (s) and readings.
-    courses
-        What free courses do beside the fit: the angles are then those of both together.
+    ``courses`` is what free courses do beside the fit: the angles are then those of both together.
     """
     begins = courses.begins if courses else [0.0] * len(fit.swings)
     found = [
@@ -153,22 +142,18 @@ def options_of(models: Sequence[Model], start: str) -> dict[str, Any]:
 
 def facts_of(angle: xr.Dataset) -> dict[str, tuple[str, str]]:
     """What is to be known of a recording's angle, as {name: (value, long_name)}."""
-    return {
-        "campaign": (str(angle.attrs.get("campaign", "")), "pendulum the recording belongs to"),
-        "emulated": (str(angle.attrs.get("emulated", "no")), "whether the recording is emulated"),
-        "label": (
-            str(angle.attrs.get("label", angle.attrs.get("recording", ""))),
-            "the recording's name as it was written",
-        ),
-        "reading": (str(dataset.series_of(angle).name), "what the sensor reads: angle or rate"),
-        "uncertainty": (str(angle.attrs.get("mode", "unknown")), "what the angle's uncertainty is from"),
-        "points": (
-            str(angle.attrs.get("points", "")),
-            "what the points are, where they are no samples of the motion",
-        ),
-        "again": (str(angle.attrs.get(AGAIN, "")), "how it was read once more, as no model followed it"),
-        "points_unit": (str(angle.attrs.get("points_unit", "rad")), "unit of the amplitudes as read"),
+    told, reading = angle.attrs, dataset.series_of(angle).name
+    found = {
+        "campaign": (told.get("campaign", ""), "pendulum the recording belongs to"),
+        "emulated": (told.get("emulated", "no"), "whether the recording is emulated"),
+        "label": (told.get("label", told.get("recording", "")), "the recording's name as it was written"),
+        "reading": (reading, "what the sensor reads: angle or rate"),
+        "uncertainty": (told.get("mode", "unknown"), "what the angle's uncertainty is from"),
+        "points": (told.get("points", ""), "what the points are, where they are no samples of the motion"),
+        "again": (told.get(AGAIN, ""), "how it was read once more, as no model followed it"),
+        "points_unit": (told.get("points_unit", "rad"), "unit of the amplitudes as read"),
     }
+    return {name: (str(value), text) for name, (value, text) in found.items()}
 
 
 def coords_of(angle: xr.Dataset, names: Sequence[str]) -> dict[str, dataset.Labelled]:
@@ -211,10 +196,8 @@ def in_units(found: xr.Dataset, reading: str) -> xr.Dataset:
     for name in ("fit", "residual", "rms", "norm", "error_bound_norm", "zero", "zero_u"):
         if name in found:
             about = found[name].attrs
-            about |= {
-                "units": f"{about['units']}/s",
-                "long_name": about["long_name"].replace("angle", "angular rate"),
-            }
+            about["units"] += "/s"
+            about["long_name"] = about["long_name"].replace("angle", "angular rate")
     return found
 
 
@@ -228,11 +211,6 @@ def _reduced_chi2(fit: Fit, swings: Sequence[Swing], angles: Sequence[xr.Dataset
     return total / (fit.n - len(fit.free))
 
 
-def _correlated(covariance: Floats) -> Floats:
-    errors = standard_errors(covariance)
-    return covariance / np.outer(errors, errors)
-
-
 def over_names(matrix: Floats, free: Sequence[str], names: Sequence[str]) -> Floats:
     """A matrix over ``free`` values (a fit's correlation or covariance) over ``names``, NaN for those that are not free."""
     found = np.full((len(names), len(names)), np.nan)
@@ -240,11 +218,6 @@ def over_names(matrix: Floats, free: Sequence[str], names: Sequence[str]) -> Flo
     where, at = [names.index(name) for name in own], [free.index(name) for name in own]
     found[np.ix_(where, where)] = matrix[np.ix_(at, at)]
     return found
-
-
-def _condition(covariance: Floats) -> float:
-    matrix = _correlated(covariance)
-    return float(np.linalg.cond(matrix)) if np.all(np.isfinite(matrix)) else np.nan
 
 
 def known_part(angle: xr.Dataset, name: str) -> Floats | None:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from ..arrays import finite_or_none
 from ..errors import InputError
 from ..measurement.stated import Stated, quantity
 from ..pendulum.half_swings import lengthening
@@ -26,31 +27,16 @@ AIR = Stated(1.20, 0.08 / np.sqrt(3), "kg/m^3")
 # What a ball in an ideal fluid carries along, in masses of the air it displaces; the layer that clings to it adds up to as much again
 # (Stokes 1851; Nelson and Olsson, Am. J. Phys. 54, 112 (1986)).
 CARRIED = Stated(0.5, 0.5 / np.sqrt(3), "1")
-_COLUMNS = [
-    "quantity",
-    "value",
-    "standard_uncertainty",
-    "unit",
-    "sensitivity",
-    "contribution_m_per_s2",
-    "note",
-]
+_U, _PART = "standard_uncertainty", "contribution_m_per_s2"
+_COLUMNS = ["quantity", "value", _U, "unit", "sensitivity", _PART, "note"]
 
 
 @dataclass(frozen=True)
 class Gravity:
-    """g with its uncertainty.
+    """g with its uncertainty, in m/s²; the uncertainty is NaN where a length has none, and ``u_without_length`` that by all inputs but the lengths.
 
-    Attributes
-    ----------
-    value, uncertainty
-        In m/s²; the uncertainty is NaN where a length has none.
-    u_without_length
-        The standard uncertainty by all inputs but the lengths.
-    of
-        What the pendulum was taken for.
-    budget
-        A row for each input: quantity, value, standard_uncertainty, unit, sensitivity, contribution_m_per_s2, note.
+    ``of``: what the pendulum was taken for. ``budget``: a row for each input, quantity, value, standard_uncertainty, unit, sensitivity,
+    contribution_m_per_s2, note.
     """
 
     value: float
@@ -63,9 +49,8 @@ class Gravity:
     def sentence(self) -> str:
         """What is said of it."""
         known = np.isfinite(self.uncertainty)
-        return (
-            f"g = {plus_minus(self.value, self.uncertainty) if known else self.text} m/s², {of_words(self)}"
-        )
+        number = plus_minus(self.value, self.uncertainty) if known else self.text
+        return f"g = {number} m/s², {of_words(self)}"
 
     @property
     def text(self) -> str:
@@ -77,7 +62,7 @@ class Gravity:
         budget = self.budget.astype(object).where(self.budget.notna(), None)
         return {
             "value": self.value,
-            "standard_uncertainty": self.uncertainty if np.isfinite(self.uncertainty) else None,
+            "standard_uncertainty": finite_or_none(self.uncertainty),
             "standard_uncertainty_without_length": self.u_without_length,
             "unit": UNIT,
             "text": self.text,
@@ -184,7 +169,7 @@ def _propagated(
         note = "its uncertainty was not given" + ("" if name in lengths else ", and counts as none")
         rows.append([name, one.value, one.uncertainty, one.unit, slope, abs(slope) * one.uncertainty, note if unknown else ""])  # fmt: skip
     budget = pd.DataFrame(rows, columns=_COLUMNS)
-    parts = budget.set_index("quantity")["contribution_m_per_s2"]
+    parts = budget.set_index("quantity")[_PART]
     known = float(np.sqrt(np.nansum(parts.drop(list(lengths)) ** 2)))
     total = float(np.hypot(known, np.sqrt(np.sum(parts[list(lengths)].to_numpy() ** 2))))
     more = pd.DataFrame(corrections, columns=_COLUMNS)
@@ -208,23 +193,10 @@ def _corrections(frequency: float, amplitude: float, period: float) -> list[dict
 def with_gravity(
     table: pd.DataFrame, stated: Mapping[str, Mapping[str, Any]], restoring: str = "sine"
 ) -> tuple[pd.DataFrame, dict[str, Gravity]]:
-    """A table of ``pendulums`` with g where a length is stated, and the ``Gravity`` of each by recording.
+    """A table of ``studies.pendulums`` with g where a length is stated, and the ``Gravity`` of each by recording.
 
-    Nothing is added for a spring, for a length in pixels, and where the period at no amplitude is known.
-
-    Parameters
-    ----------
-    table
-        A table of ``studies.pendulums``.
-    stated
-        The cells of the sample sheet, by recording.
-    restoring
-        ``sine`` or ``linear``.
-
-    Raises
-    ------
-    InputError
-        For a cell that is no length.
+    Nothing is added for a spring (``restoring`` linear), for a length in pixels, and where the period at no amplitude is known. ``stated`` are
+    the cells of the sample sheet, by recording. InputError for a cell that is no length.
     """
     rows, found = [], {}
     for row in table.to_dict("records"):
@@ -245,23 +217,21 @@ def of_two_pivots(table: pd.DataFrame, stated: Mapping[str, Mapping[str, Any]]) 
     InputError where these are not two.
     """
     rows = {row["recording"]: row for row in table.to_dict("records")}
-    given = {
-        name: _cell(cells, PIVOT) for name, cells in stated.items() if name in rows and _cell(cells, PIVOT)
-    }
+    given = {name: text for name in stated if name in rows and (text := _cell(stated[name], PIVOT))}
+    if not given:
+        return {}
     pairs: list[tuple[Stated, Stated]] = []
     for name, text in given.items():
         distance = quantity(text, "m", f"recording {name}, {PIVOT}", "distance of a pivot", f"correct ⟨{PIVOT}⟩")  # fmt: skip
         if frequency := frequency_of(rows[name]):
             pairs.append((frequency, distance))
-    if not given:
-        return {}
     if len(pairs) != 2:
         raise InputError(
             PIVOT, f"{len(pairs)} recordings with a period and the distance of a pivot",
             "two: one body about two pivots", "give each of two files one release",
         )  # fmt: skip
-    (first, one), (second, other) = pairs
-    return {TWO: gravity_of_two_pivots((first, second), (one, other))}
+    frequencies, distances = zip(*pairs, strict=True)
+    return {TWO: gravity_of_two_pivots(frequencies, distances)}
 
 
 def of_words(one: Gravity) -> str:
@@ -279,10 +249,8 @@ def _cells(
 ) -> Mapping[str, Any]:
     if row["recording"] != TOGETHER:
         return stated.get(row["recording"], {})
-    members = table.loc[
-        (table["campaign"] == row["campaign"]) & (table["recording"] != TOGETHER), "recording"
-    ]
-    each = [{key: _cell(stated.get(one, {}), key) for key in STATED} for one in members]
+    own = table.loc[table["campaign"] == row["campaign"], "recording"]
+    each = [{key: _cell(stated.get(one, {}), key) for key in STATED} for one in own if one != TOGETHER]
     return each[0] if each and all(one == each[0] for one in each) else {}
 
 
@@ -315,8 +283,8 @@ def budgets(found: Mapping[str, Gravity]) -> pd.DataFrame:
     parts = []
     for name, one in found.items():
         total = {
-            "quantity": "g", "value": one.value, "standard_uncertainty": one.uncertainty, "unit": UNIT, "sensitivity": 1.0,
-            "contribution_m_per_s2": one.uncertainty, "note": of_words(one),
+            "quantity": "g", "value": one.value, _U: one.uncertainty, "unit": UNIT, "sensitivity": 1.0, _PART: one.uncertainty,
+            "note": of_words(one),
         }  # fmt: skip
         part = pd.concat([one.budget, pd.DataFrame([total])], ignore_index=True)
         part.insert(0, "recording", name)

@@ -51,9 +51,8 @@ def last_words(path: str | Path) -> str:
     table = read_csv(path) if Path(path).exists() else pd.DataFrame()
     if table.empty:
         return ""
-    lines = [
-        f"{row['recording']}: {'not searched: ' if row['left_out_of'] == OF_SEARCH else ''}{row['problem']}"
-        + (f". Mend: {row['mend']}" if row["mend"] else "")
-        for row in table.astype(object).fillna("").to_dict("records")
-    ]
+    lines = []
+    for row in table.astype(object).fillna("").to_dict("records"):
+        part, mend = "not searched: " if row["left_out_of"] == OF_SEARCH else "", row["mend"]
+        lines.append(f"{row['recording']}: {part}{row['problem']}" + (f". Mend: {mend}" if mend else ""))
     return framed("Left out of these results; the report lists them:", *lines)

@@ -16,40 +16,21 @@ from ..errors import InputError
 def proportional(angle: Floats, snr: float, normals: Floats) -> Floats:
     """The angle (rad) with noise in proportion to its size, ``y + |y|/snr * normal`` (Eq. 5).
 
-    There is none at a zero crossing, which no real sensor achieves: it is the paper's choice.
-
-    Parameters
-    ----------
-    angle
-        In rad, of any shape.
-    snr
-        Signal over noise.
-    normals
-        Standard normal deviates, of the angle's shape.
+    There is none at a zero crossing, which no real sensor achieves: it is the paper's choice. ``angle`` is in rad and of any shape, ``snr``
+    signal over noise, ``normals`` are standard normal deviates of the angle's shape.
     """
     return angle + np.abs(angle) / snr * normals
 
 
 def additive(angle: Floats, snr: float, normals: Floats) -> Floats:
-    """The angle (rad) with noise of one size throughout: its standard deviation is the RMS over ``snr``.
-
-    Parameters
-    ----------
-    angle, snr, normals
-        As of ``proportional``.
-    """
+    """The angle (rad) with noise of one size throughout: its standard deviation is the RMS over ``snr``; arguments as of ``proportional``."""
     return angle + _rms(angle) / snr * normals
 
 
 def quantisation(angle: Floats, snr: float, normals: Floats) -> Floats:
-    """The angle (rad) rounded to steps whose standard deviation (step/sqrt 12) is the RMS over ``snr``.
+    """The angle (rad) rounded to steps whose standard deviation (step/sqrt 12) is the RMS over ``snr``; arguments as of ``proportional``.
 
-    Parameters
-    ----------
-    angle, snr
-        As of ``proportional``.
-    normals
-        Not used; all kinds of noise are called alike. Realisations of a series are the same.
+    ``normals`` are not used; all kinds of noise are called alike. Realisations of a series are the same.
     """
     step = np.sqrt(12) * _rms(angle) / snr
     return step * np.round(angle / step)
@@ -60,23 +41,10 @@ STREAMS = ("R", "numpy")
 
 
 def add_noise(kind: str, angle: ArrayLike, snr: float, normals: Floats) -> Floats:
-    """The noisy angle (rad), of the shape of ``angle``.
+    """The angle (rad) with noise of a kind (``proportional``, ``additive`` or ``quantisation``), of its shape.
 
-    Parameters
-    ----------
-    kind
-        ``proportional``, ``additive`` or ``quantisation``.
-    angle
-        In rad.
-    snr
-        Signal over noise, above 0.
-    normals
-        Standard normal draws of the same shape.
-
-    Raises
-    ------
-    InputError
-        For an unknown kind, or an ``snr`` that is not above 0.
+    ``snr`` is signal over noise, ``normals`` are standard normal draws of the same shape. InputError for an unknown kind, or an ``snr`` that is
+    not above 0.
     """
     if kind not in NOISES:
         raise InputError("simulation.noise", f"unknown noise {kind!r}", " or ".join(NOISES))
@@ -86,18 +54,9 @@ def add_noise(kind: str, angle: ArrayLike, snr: float, normals: Floats) -> Float
 
 
 def numpy_stream(seed: int, label: str, index: int) -> np.random.Generator:
-    """A numpy Generator that depends on its arguments alone.
+    """A numpy Generator that depends on the study's seed, the label of the simulated model and the realisation's index alone.
 
     So a realisation is the same whatever other models are simulated beside it, in whatever order or process.
-
-    Parameters
-    ----------
-    seed
-        The study's.
-    label
-        Of the simulated model.
-    index
-        Of the realisation.
     """
     return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(crc32(label.encode()), index)))
 
@@ -132,9 +91,8 @@ class RStream:
 
     def standard_normal(self, size: int) -> Floats:
         """``size`` standard normals, as ``rnorm(size)``: each the quantile of two uniforms joined into one."""
-        from scipy.special import (
-            ndtri,  # takes half a second to load, which those who draw from numpy need not wait for
-        )
+        # takes half a second to load, which those who draw from numpy need not wait for
+        from scipy.special import ndtri
 
         big = 2.0**27
         first, second = self.uniform(2 * size).reshape(size, 2).T

@@ -12,7 +12,7 @@ from ..errors import InputError
 from ..pendulum.model import Model, as_model, symbol
 
 # value and standard errors hold parameters of different units side by side, so plain numbers
-_OF_EACH = "number of the unit that parameter_unit names"
+_EACH = "number of the unit that parameter_unit names"
 LABELS: dict[str, tuple[str | None, str]] = {
     "time": ("s", "time"),
     "truth": ("rad", "noise-free simulated angle"),
@@ -20,26 +20,23 @@ LABELS: dict[str, tuple[str | None, str]] = {
     "norm": ("degrees", "RMS of data minus fit"),
     "residual_norm": ("degrees", "RMS of noisy data minus fit"),
     "error_bound_norm": ("degrees", "RMS of the expanded (95 %) uncertainty of the angle"),
-    "value": (_OF_EACH, "fitted value"),
-    "standard_error": (_OF_EACH, "standard uncertainty of the fitted value"),
-    "random_standard_error": (
-        _OF_EACH,
-        "its random part: noise and what the model misses, with their colour",
-    ),
-    "systematic_standard_error": (_OF_EACH, "its systematic part: calibration and clock"),
+    "value": (_EACH, "fitted value"),
+    "standard_error": (_EACH, "standard uncertainty of the fitted value"),
+    "random_standard_error": (_EACH, "its random part: noise and what the model misses, with their colour"),
+    "systematic_standard_error": (_EACH, "its systematic part: calibration and clock"),
     "coverage_factor": (
         "1",
         "k of an interval value ± k standard uncertainties that holds the value with 95 %",
     ),
-    "systematic": (_OF_EACH, "what a standard uncertainty of a source does to the fitted value"),
-    "nuisance_value": (_OF_EACH, "fitted value of what the measurement leaves open"),
-    "nuisance_standard_error": (_OF_EACH, "its standard uncertainty after the fit"),
+    "systematic": (_EACH, "what a standard uncertainty of a source does to the fitted value"),
+    "nuisance_value": (_EACH, "fitted value of what the measurement leaves open"),
+    "nuisance_standard_error": (_EACH, "its standard uncertainty after the fit"),
     "zero": ("rad", "reading at rest, as fitted, where the measurement leaves it open"),
     "zero_u": ("rad", "its standard uncertainty"),
-    "nuisance_prior": (_OF_EACH, "its standard uncertainty before the fit, about zero"),
+    "nuisance_prior": (_EACH, "its standard uncertainty before the fit, about zero"),
     "correlation": ("1", "correlation of two fitted values"),
     "covariance": (
-        _OF_EACH,
+        _EACH,
         "covariance of two fitted values, in their units, the wider of both kinds of standard error",
     ),
     "largest_angle": ("rad", "largest fitted angle"),
@@ -48,8 +45,8 @@ LABELS: dict[str, tuple[str | None, str]] = {
         "RMS of data minus fit that stands for the evidence with free courses beside the law",
     ),
     "evidence_inflation": ("1", "variance_inflation of what the free courses leave"),
-    "course_shift": (_OF_EACH, "what the free courses change of values, and of logarithms of quantities"),
-    "course_covariance": (_OF_EACH, "covariance of these with the free courses beside the law"),
+    "course_shift": (_EACH, "what the free courses change of values, and of logarithms of quantities"),
+    "course_covariance": (_EACH, "covariance of these with the free courses beside the law"),
     "condition_number": ("1", "condition number of the correlation matrix of all free values"),
     "release_angle": ("rad", "fitted angle at the first sample"),
     "release_velocity": ("rad/s", "fitted angular velocity at the first sample"),
@@ -98,7 +95,7 @@ def labelled(dataset: xr.Dataset, **long_names: str) -> xr.Dataset:
         if text:
             one.attrs["long_name"] = long_names.get(name, text) + (f" ({METHODS[prefix]})" if prefix else "")
         if units:
-            one.attrs |= {"units": "1", "comment": units} if units == _OF_EACH else {"units": units}
+            one.attrs |= {"units": "1", "comment": units} if units == _EACH else {"units": units}
         if name.removeprefix(prefix) == "value":
             errors = [f"{prefix}{kind}standard_error" for kind in ("", "random_", "systematic_")]
             one.attrs["ancillary_variables"] = " ".join(error for error in errors if error in dataset)
@@ -106,7 +103,7 @@ def labelled(dataset: xr.Dataset, **long_names: str) -> xr.Dataset:
 
 
 def model_coords(fitted: Iterable[Model | str]) -> dict[str, Labelled]:
-    """Tolds for datasets over models and parameters: ``fitted`` with symbols, ``parameter`` with units.
+    """Coordinates for datasets over models and parameters: ``fitted`` with symbols, ``parameter`` with units.
 
     ``parameter`` holds the parameters of all models together, the natural frequency first, in the catalogue's order.
     """
@@ -154,10 +151,8 @@ def combine_recordings(datasets: Iterable[xr.Dataset]) -> xr.Dataset:
     of_one = ("time", "source", "nuisance")  # what recordings of different pendulums do not share
     datasets = [dataset.drop_dims(of_one, errors="ignore") for dataset in datasets]
     names = [str(dataset["recording"].item()) for dataset in datasets]
-    if twice := {name for name in names if names.count(name) > 1}:
-        raise InputError(
-            "experiment/norms", f"recording {sorted(twice)[0]!r} is there twice", "each recording once"
-        )
+    if twice := sorted(name for name in names if names.count(name) > 1):
+        raise InputError("experiment/norms", f"recording {twice[0]!r} is there twice", "each recording once")
     parts = [_with_recording(dataset) for dataset in datasets]
     combined = parts[0].copy() if len(parts) == 1 else _combined(parts, "recording", "experiment/norms")
     emulated = "yes" if "yes" in combined["emulated"].values else "no"
@@ -171,11 +166,9 @@ def combine_recordings(datasets: Iterable[xr.Dataset]) -> xr.Dataset:
 
 
 def _with_recording(dataset: xr.Dataset) -> xr.Dataset:
-    own = {
-        name: ("recording", [str(dataset[name].item())], dataset[name].attrs)
-        for name in ("campaign", "emulated", "label", "reading", "uncertainty", "points", "points_unit")
-        if name in dataset.coords
-    }
+    names = ("campaign", "emulated", "label", "reading", "uncertainty", "points", "points_unit")
+    known = [dataset[name] for name in names if name in dataset.coords]
+    own = {one.name: ("recording", [str(one.item())], one.attrs) for one in known}
     return dataset.expand_dims("recording").assign_coords(own)
 
 
@@ -184,11 +177,7 @@ def _combined(datasets: Sequence[xr.Dataset], dimension: str, where: str) -> xr.
         raise InputError(where, "there is no swing to fit", "at least one", "add swings to the sample sheet")
     for dataset in datasets[1:]:
         if list(dataset["fitted"].values) != list(datasets[0]["fitted"].values):
-            raise InputError(
-                where,
-                "the parts were fitted with different models",
-                "the same models throughout",
-                "delete the parts and run again",
-            )
+            problem = "the parts were fitted with different models"
+            raise InputError(where, problem, "the same models throughout", "delete the parts and run again")
     return xr.concat(datasets, dimension, data_vars="all", coords="different", compat="equals", join="exact",
                      combine_attrs="drop_conflicts")  # fmt: skip

@@ -3,8 +3,7 @@
 Norms are in degrees. The paper's printed numbers stand beside the computed ones (``resources/paper``).
 """
 
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 import pandas as pd
@@ -41,15 +40,16 @@ def table2(norms: xr.Dataset, published: pd.DataFrame) -> pd.DataFrame:
         standard_error_of_std, unit, note. Rows are those of the paper's cells that were computed, or every cell if none was. The note names
         what was inferred, and which settings are not those of the paper.
     """
-    cells = [
-        (s, f)
-        for s, f in zip(published["simulated"], published["fitted"], strict=True)
-        if s in norms["simulated"].values and f in norms["fitted"].values
-    ]
-    cells = cells or [(s, f) for s in norms["simulated"].values for f in norms["fitted"].values]
     printed = published.set_index(["simulated", "fitted"])
-    note = _settings_note(norms.attrs, norms.sizes["realization"])
-    rows = []
+    computed = [(s, f) for s in norms["simulated"].values for f in norms["fitted"].values]
+    cells = [cell for cell in printed.index if cell in computed] or computed
+    settings, count = norms.attrs, norms.sizes["realization"]
+    unlike = [key for key, usual in PAPER.items() if key in settings and settings[key] != usual]
+    changed = [f"{key} {settings[key]}" for key in unlike] + (
+        [f"{count} realisations"] if count != 10 else []
+    )
+    other = f" Other settings than for the published table: {', '.join(changed)}." if changed else ""
+    note, rows = settings.get("inferred", "") + other, []
     for simulated, fitted in cells:
         chosen = norms.sel(simulated=simulated, fitted=fitted)
         mean, std, n = statistics(chosen["norm"].values)
@@ -62,15 +62,6 @@ def table2(norms: xr.Dataset, published: pd.DataFrame) -> pd.DataFrame:
             "standard_error_of_std": std / np.sqrt(2 * (n - 1)) if n > 1 else np.nan, "unit": "degrees", "note": note,
         })  # fmt: skip
     return pd.DataFrame(rows)
-
-
-def _settings_note(settings: Mapping[str, Any], count: int) -> str:
-    changed = [
-        f"{key} {settings[key]}" for key, usual in PAPER.items() if key in settings and settings[key] != usual
-    ]
-    changed += [f"{count} realisations"] if count != 10 else []
-    other = f" Other settings than for the published table: {', '.join(changed)}." if changed else ""
-    return settings.get("inferred", "") + other
 
 
 def table3(norms: xr.Dataset, published: pd.DataFrame) -> pd.DataFrame:
@@ -97,11 +88,9 @@ def table3(norms: xr.Dataset, published: pd.DataFrame) -> pd.DataFrame:
     rows = []
     for campaign, chosen in norms.groupby("campaign", squeeze=False):
         unscaled = (chosen["uncertainty"] == UNSCALED).values
+        modes = ", ".join(sorted(set(as_text(chosen["uncertainty"]))))
         about = ["emulated recordings"] if "yes" in chosen["emulated"].values else []
-        about += [
-            f"uncertainty of the angle: {', '.join(sorted(set(as_text(chosen['uncertainty']))))}",
-            OTHER_APPARATUS,
-        ]
+        about += [f"uncertainty of the angle: {modes}", OTHER_APPARATUS]
         norm, chi2, bics, inflation = (
             over(chosen, key, "fitted", "recording")
             for key in ("norm", "reduced_chi2", "bic", "variance_inflation")
@@ -136,8 +125,5 @@ def _negative(parameters: Sequence[str], values: Floats) -> Iterator[str]:
 
 def statistics(values: Floats) -> tuple[float, float, int]:
     """Mean, standard deviation (n - 1; NaN for a single value) and n."""
-    return (
-        float(np.mean(values)),
-        float(np.std(values, ddof=1)) if values.size > 1 else np.nan,
-        int(values.size),
-    )
+    deviation = float(np.std(values, ddof=1)) if values.size > 1 else np.nan
+    return float(np.mean(values)), deviation, int(values.size)

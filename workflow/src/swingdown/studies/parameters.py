@@ -53,9 +53,8 @@ def parameters(norms: xr.Dataset, joint: Iterable[xr.Dataset] = ()) -> pd.DataFr
 def _arrays(fits: xr.Dataset, dims: tuple[str, ...]) -> list[Floats]:
     """Values and what is told of their errors, NaN where nothing is: a selection by name for each row is a thousand times slower."""
     values = fits["value"].transpose(*dims).values
-    return [values] + [
-        fits[key].transpose(*dims).values if key in fits else np.full(values.shape, np.nan) for key in _TOLD
-    ]
+    unknown = np.full(values.shape, np.nan)
+    return [values, *(fits[key].transpose(*dims).values if key in fits else unknown for key in _TOLD)]
 
 
 def _estimates(names: Sequence[str], values: Floats, *errors: Floats) -> Iterator[dict[str, Any]]:
@@ -100,15 +99,8 @@ def parameter_budget(fits: Iterable[xr.Dataset]) -> pd.DataFrame:
                 variance = float(errors["standard_error"][k, n]) ** 2
                 sources = {"random": float(errors["random_standard_error"][k, n])}
                 sources |= dict(zip(names, map(float, systematic[k, n]), strict=True))
-                where = {"campaign": campaign, "fitted": label, "parameter": name}
                 rows += [
-                    where
-                    | {
-                        "source": source,
-                        "contribution": size,
-                        "share": size**2 / variance,
-                        "unit": units[name],
-                    }
+                    (campaign, label, name, source, size, size**2 / variance, units[name])
                     for source, size in sources.items()
                     if size**2 > _NEGLIGIBLE * variance
                 ]

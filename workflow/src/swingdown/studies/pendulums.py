@@ -31,15 +31,9 @@ from .turning_points import NOT_DAMPED, as_told, passages_told, period_of_passag
 from .unscaled import as_seen, at_first_swing, meets
 
 _SUFFIX = {
-    "1": "",
-    "rad/s": "_rad_per_s",
-    "rad/s^2": "_rad_per_s2",
-    "m/s^2": "_m_per_s2",
-    "1/s": "_per_s",
-    "1/s^2": "_per_s2",
-    "s": "_s",
+    "1": "", "rad/s": "_rad_per_s", "rad/s^2": "_rad_per_s2", "m/s^2": "_m_per_s2", "1/s": "_per_s", "1/s^2": "_per_s2", "s": "_s",
     "rad": "_rad",
-}
+}  # fmt: skip
 TOGETHER = "(joint)"  # stands for all recordings of a pendulum
 REFUSED = "refused"  # stands where a verdict would, for a file that could not be read
 
@@ -99,79 +93,61 @@ def judged(
     found = {str(one["campaign"]): one for one in verdicts}
     told = {} if left_out is None else {str(one.recording): one for one in left_out.itertuples()}
     each = Counter(row["campaign"] for row in rows if row["recording"] not in told)
-    rows = [
-        by_verdict(row, found.get(row["campaign"], {}))
-        if row["recording"] not in told and (each[row["campaign"]] == 1 or row["recording"] == TOGETHER)
-        else row
-        for row in rows
-    ]
+    table = []
     for row in rows:
-        verdict = {} if row["recording"] in told else found.get(row["campaign"], {})
-        left = told.pop(row["recording"]).problem if row["recording"] in told else ""
-        remark = joined(verdict.get("unit_doubt", ""), row["remark"], left)
+        lost = told.pop(row["recording"], None)
+        verdict = {} if lost else found.get(row["campaign"], {})
+        if not lost and (each[row["campaign"]] == 1 or row["recording"] == TOGETHER):
+            row = by_verdict(row, verdict)
+        remark = joined(verdict.get("unit_doubt", ""), row["remark"], lost.problem if lost else "")
         row |= {"verdict": verdict.get("status", ""), "missing": _named(verdict), "remark": remark}
+        table.append(row)
     for name, one in told.items():
         if getattr(one, "code", "") == NOT_LOOKED_AT:
             continue
         label = getattr(one, "label", "")
-        rows.append(
-            {
-                "campaign": str(one.campaign),
-                "recording": name,
-                "label": printable(label if isinstance(label, str) and label else Path(str(one.file)).stem),
-                "verdict": REFUSED,
-                "remark": f"{one.file}: {one.problem}",
-            }
-        )
-    return in_order(pd.DataFrame(rows))
+        label = printable(label if isinstance(label, str) and label else Path(str(one.file)).stem)
+        row = {"campaign": str(one.campaign), "recording": name, "label": label, "verdict": REFUSED}
+        table.append(row | {"remark": f"{one.file}: {one.problem}"})
+    return in_order(pd.DataFrame(table))
 
 
 def in_order(table: pd.DataFrame) -> pd.DataFrame:
     """The table with its columns in the order that ``pendulums`` tells."""
     first = [_column(name, unit) for name, unit in UNITS.items()]
-    told = [column for column in table if f"{column}_u" in table]
-    columns = [column + part for column in dict.fromkeys([*first, *told]) for part in ("", "_u", "_text")]
-    tail = [name for name, always in _TAIL.items() if always or name in table]
+    columns = [column + part for column in dict.fromkeys([*first, *_measured(table)]) for part in _CELLS]
+    tail = [name for name in _TAIL if name in _ALWAYS or name in table]
     return table.reindex(columns=[*_HEAD, *columns, *tail])
 
 
+def _measured(row: Iterable[Any]) -> list[str]:
+    """The columns of a row, or of a table, that have a standard uncertainty beside them."""
+    columns = list(row)
+    return [str(one) for one in columns if f"{one}_u" in columns]
+
+
+_CELLS = ("", "_u", "_text")  # of a quantity, what follows its column
 _HEAD = ("campaign", "recording", "label", "amplitude_rad")
 RESIDUALS = {ANGLE: "residual_rad", RATE: "residual_rad_per_s"}
 _WITHOUT_SCALE = ("period", "quality", "decay_time")  # what readings without a scale tell
 DAMPING, SEARCH = "damping", "search"  # where a row's model comes from
 NOT_DYING = "cannot be told: it does not die away"  # stands for a model
 NO_MODEL = (NOT_DAMPED, NOT_DYING)
-# the last columns, each with whether it is there in any case, or where a row has it
-_TAIL = {
-    "model": True,
-    "or_model": False,
-    "model_probability": False,
-    "share_left": False,
-    "model_of": True,
-    "period_of": False,
-    "last_period_s": False,
-    RESIDUALS[ANGLE]: True,
-    RESIDUALS[RATE]: False,
-    "own_unit": False,
-    "record_s": True,
-    "verdict": True,
-    "missing": True,
-    "emulated": True,
-    "amplitude_text": False,
-    "g_of": False,
-    "g_u_without_length_m_per_s2": False,
-    "note": False,
-    "remark": True,
-}
+# the last columns, and those of them that are there in any case, not only where a row has them
+_TAIL = (
+    "model", "or_model", "model_probability", "share_left", "model_of", "period_of", "last_period_s", RESIDUALS[ANGLE], RESIDUALS[RATE],
+    "own_unit", "record_s", "verdict", "missing", "emulated", "amplitude_text", "g_of", "g_u_without_length_m_per_s2", "note", "remark",
+)  # fmt: skip
+_ALWAYS = ("model", "model_of", RESIDUALS[ANGLE], "record_s", "verdict", "missing", "emulated", "remark")
 
 
 def _row(
     campaign: str, name: str, own: xr.Dataset, fitted: xr.Dataset, catalogue: Catalogue
 ) -> dict[str, Any]:
-    if PASSED in (as_text(own["points"]) if "points" in own.coords else ()):
-        return _of_passages(campaign, name, own.isel(recording=0))
-    label = described_by(own, catalogue)
-    points = any(as_text(own["points"])) if "points" in own.coords else False
+    only, kinds = own.isel(recording=0), as_text(own["points"]) if "points" in own.coords else []
+    if PASSED in kinds:
+        return _of_passages(campaign, name, only)
+    label, points = described_by(own, catalogue), any(kinds)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", TrajectoryWarning)
         amplitude, derived = described(fitted, label, catalogue)
@@ -196,14 +172,14 @@ def _row(
     }
     unscaled, linear = UNSCALED in own["uncertainty"].values, fitted.attrs.get("restoring") == "linear"
     if unscaled:
-        period, more = at_first_swing(own.isel(recording=0))
+        period, more = at_first_swing(only)
         if period is None:
-            period, more = as_seen(own.isel(recording=0))
+            period, more = as_seen(only)
             more |= {"amplitude_text": "the first swings"} if period else {}
         derived = {key: derived[key] for key in _WITHOUT_SCALE} | ({"period": period} if period else {})
         row |= {"amplitude_rad": np.nan, **more}
     elif name != TOGETHER and not points and (left > MUCH or not meets(own, derived.get("period"))):
-        period, more = as_seen(own.isel(recording=0))
+        period, more = as_seen(only)
         if period:
             derived = _with_period(derived, period, 1.0 if linear else float(lengthening(amplitude)), left)
             row |= more
@@ -215,7 +191,7 @@ def _row(
     again = as_text(own["again"])[0] if "again" in own.coords and name != TOGETHER else ""
     row["remark"] = joined(again, row["remark"], _doubt_of(row))
     if points:
-        row = as_told(row, own.isel(recording=0), rivals(own, label, catalogue))
+        row = as_told(row, only, rivals(own, label, catalogue))
     keeps_on = left > MUCH and "steady" in own and bool((own["steady"] == 1).any())
     # two laws of which one gives what the other takes fit a swing that keeps on
     keeps_on |= "narrowing" in own and float(own["narrowing"].min()) >= KEPT and _foretold(row) < KEPT**2
@@ -245,12 +221,8 @@ def _of_what_is_seen(row: dict[str, Any], keeps_on: bool = False, dies: bool = F
     # where much is left no loss is one of this model
     if not keeps_on and (doubted(row) or dies or loss_seen(quantities_of(row))):
         return row
-    kept = {
-        column
-        for name in ("period", "natural_frequency")
-        for column in cells_of(name, Quantity(1.0, 1.0, UNITS[name]))
-    }
-    lost = {column + end for column in row if f"{column}_u" in row for end in ("", "_u", "_text")} - kept
+    kept = {_column(name, UNITS[name]) + end for name in ("period", "natural_frequency") for end in _CELLS}
+    lost = {column + end for column in _measured(row) for end in _CELLS} - kept
     lost |= {"or_model", "model_probability"}
     return {key: value for key, value in row.items() if key not in lost} | {"model": NOT_DYING}
 
@@ -308,18 +280,11 @@ def by_verdict(row: Mapping[str, Any], verdict: Mapping[str, Any]) -> dict[str, 
     open_still = REMAINING if row.get("model") == NOT_DYING else {Status.UNKNOWN}
     if not concluded or verdict["status"] in open_still:
         return dict(row)
-    ends = ("", "_u", "_text")
-    own = (
-        {"own_unit": verdict["unit"]} if verdict.get("unit", READINGS[ANGLE]) not in READINGS.values() else {}
-    )
-    old = {
-        "or_model",
-        "model_probability",
-        "share_left",
-        "period_of",
-        *(f"{key}{end}" for key in row if f"{key}_u" in row for end in ends),
-    }
-    found = {key: value for key, value in row.items() if key not in old and key not in RESIDUALS.values()}
+    unit = verdict.get("unit", READINGS[ANGLE])
+    own = {"own_unit": unit} if unit not in READINGS.values() else {}
+    old = {"or_model", "model_probability", "share_left", "period_of", *RESIDUALS.values()}
+    old |= {f"{key}{end}" for key in _measured(row) for end in _CELLS}
+    found = {key: value for key, value in row.items() if key not in old}
     for name, one in concluded["quantities"].items():
         value, error = (np.nan if one[key] is None else one[key] for key in ("value", "standard_uncertainty"))
         found |= cells_of(name, Quantity(value, error, one["unit"]))
@@ -336,12 +301,8 @@ def by_verdict(row: Mapping[str, Any], verdict: Mapping[str, Any]) -> dict[str, 
 
 def cells_of(name: str, one: Quantity) -> dict[str, Any]:
     """The cells of a row of ``pendulums`` that a quantity has: its value, its standard uncertainty, and both as a text."""
-    column = _column(name, one.unit)
-    return {
-        column: one.value,
-        f"{column}_u": one.uncertainty,
-        f"{column}_text": value_with_uncertainty(one.value, one.uncertainty),
-    }
+    told = one.value, one.uncertainty, value_with_uncertainty(one.value, one.uncertainty)
+    return {_column(name, one.unit) + end: cell for end, cell in zip(_CELLS, told, strict=True)}
 
 
 def residual_of(row: Mapping[str, Any]) -> tuple[float, str]:
@@ -362,15 +323,13 @@ def quantities_of(row: Mapping[str, Any]) -> dict[str, Quantity]:
     """The quantities that a row of ``pendulums`` holds, by name, in the order of its columns."""
     found, own = {}, _own_unit(row)
     of_own = re.compile(rf"(?<![A-Za-z]){re.escape(own)}(?![A-Za-z])") if own else None
-    for column in row:
-        if f"{column}_u" in row and np.isfinite(row[column]):
-            name, _, unit = str(column).rpartition("_")
-            if of_own and of_own.search(unit):
-                found[name] = Quantity(float(row[column]), float(row[f"{column}_u"]), unit)
-                continue
-            endings = [(unit, end) for unit, end in _SUFFIX.items() if str(column).endswith(end)]
-            unit, ending = max(endings, key=lambda one: len(one[1]))
-            name = str(column).removesuffix(ending)
+    for column in _measured(row):
+        if np.isfinite(row[column]):
+            name, _, unit = column.rpartition("_")
+            if not (of_own and of_own.search(unit)):
+                endings = [(unit, end) for unit, end in _SUFFIX.items() if column.endswith(end)]
+                unit, ending = max(endings, key=lambda one: len(one[1]))
+                name = column.removesuffix(ending)
             found[name] = Quantity(float(row[column]), float(row[f"{column}_u"]), unit)
     return found
 

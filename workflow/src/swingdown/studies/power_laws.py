@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from scipy.optimize import brentq, least_squares
 from scipy.special import chdtrc, stdtrit
 
-from ..arrays import Floats
+from ..arrays import Floats, finite_or_none
 from ..errors import InputError
 from ..measurement.straight_line import FEWEST, Line, fit_line
 from ..rounding import plus_minus, value_with_uncertainty
@@ -21,15 +21,7 @@ _TWO = 0.9545  # what a normal distribution holds inside two standard deviations
 
 @dataclass(frozen=True)
 class Scatter:
-    """How points scatter about a law.
-
-    Attributes
-    ----------
-    chi2
-        Chi² by the stated errors.
-    dof
-        Its degrees of freedom.
-    """
+    """How points scatter about a law: chi² by the stated errors, and its degrees of freedom (``dof``)."""
 
     chi2: float
     dof: int
@@ -50,14 +42,11 @@ class Scatter:
         return self.p < BEYOND
 
     @property
-    def few(self) -> float:
-        """Student's factor for so few points where their scatter alone tells the uncertainty, so that two standard ones hold 95 %."""
-        return _student(self.dof) if self.refuted else 1.0
-
-    @property
     def widening(self) -> float:
-        """What standard uncertainties are multiplied by: the Birge ratio above 1, and ``few``."""
-        return self.birge * self.few if self.dof and self.birge > 1 else 1.0
+        """What standard uncertainties are multiplied by: the Birge ratio above 1; and Student's factor where the scatter alone tells them."""
+        if not (self.dof and self.birge > 1):
+            return 1.0
+        return self.birge * (_student(self.dof) if self.refuted else 1.0)
 
     @property
     def sentence(self) -> str:
@@ -79,14 +68,8 @@ def settled(
 
     Where points scatter farther than they state, each y gets a further error in proportion to ``share`` so that chi² is its
     expectation (Paule and Mandel 1982): what differs between recordings, the best known has as well as the others. The points
-    do not tell whether their errors are all too small alike instead (Birge): the covariance is the larger one.
-
-    Parameters
-    ----------
-    x, y, u_x, u_y
-        Points and their standard errors, of shape (point,).
-    share
-        Of each y, the unit of the further error, of shape (point,).
+    do not tell whether their errors are all too small alike instead (Birge): the covariance is the larger one. All arguments are of shape
+    (point,): points and their standard errors, and of each y the unit of the further error.
     """
     line = fit_line(x, y, u_x, u_y)
     scatter = Scatter(line.chi2, line.dof)
@@ -165,12 +148,10 @@ class PowerLaw:
 
     def to_dict(self) -> dict[str, Any]:
         """A dict of plain numbers; None for what is not known."""
-        found = {
-            name: getattr(self, name)
-            for name in ("exponent", "u_exponent", "factor", "u_factor", "at", "offset", "u_offset", "theory")
-        }
+        names = ("exponent", "u_exponent", "factor", "u_factor", "at", "offset", "u_offset", "theory")
+        found = {name: getattr(self, name) for name in names}
         found |= {"chi2": self.scatter.chi2, "dof": self.scatter.dof, "p": self.scatter.p, "birge_ratio": self.scatter.birge, "widened_by": self.scatter.widening}  # fmt: skip
-        return {key: _known(one) if isinstance(one, float) else one for key, one in found.items()}
+        return {key: finite_or_none(one) if isinstance(one, float) else one for key, one in found.items()}
 
 
 def power_law(
@@ -215,9 +196,8 @@ def power_law(
     law = PowerLaw(line.slope, float(u_exponent), factor, float(factor * u_factor), at, 0.0, float("nan"), scatter, np.empty(0), theory)  # fmt: skip
     if np.isfinite(theory):
         weight = 1 / (logs[3] ** 2 + extra**2 + (theory * logs[2]) ** 2 + np.finfo(float).tiny)
-        law = replace(
-            law, theory_factor=float(np.exp(np.average(logs[1] - theory * logs[0], weights=weight)))
-        )
+        held = np.exp(np.average(logs[1] - theory * logs[0], weights=weight))
+        law = replace(law, theory_factor=float(held))
     return replace(law, residuals=y - law(x))
 
 
@@ -245,22 +225,16 @@ def _with_offset(x: Floats, y: Floats, u_x: Floats, u_y: Floats, theory: float, 
     offset, factor, exponent = map(float, fit.x[:3])
     law = PowerLaw(exponent, float(u[2]), factor, float(u[1]), at, offset, float(u[0]), scatter, np.empty(0), theory)  # fmt: skip
     if np.isfinite(theory):
-        held = least_squares(
-            lambda values: left(values, theory), np.delete(fit.x, 2), x_scale=np.delete(scale, 2)
-        )
+        begin, sizes = np.delete(fit.x, 2), np.delete(scale, 2)
+        held = least_squares(left, begin, x_scale=sizes, args=(theory,))
         law = replace(law, theory_offset=float(held.x[0]), theory_factor=float(held.x[1]))
     return replace(law, residuals=y - law(x))
 
 
 class ShiftedLaw(NamedTuple):
-    """A power law of values that may all be off by one amount, y = factor ((x + short) / at)^exponent.
+    """A power law of values that may all be off by one amount, y = factor ((x + short) / at)^exponent, as the points say it.
 
-    Attributes
-    ----------
-    exponent, u_exponent
-        With the standard uncertainty, widened where the points scatter; NaN for fewer than four points.
-    factor, at, short
-        The law's others, as the points say them.
+    ``u_exponent`` is the standard uncertainty, widened where the points scatter. NaN for fewer than four points.
     """
 
     exponent: float = float("nan")
@@ -334,7 +308,7 @@ class LengthsAndPeriods:
 
     def to_dict(self) -> dict[str, Any]:
         """A dict of plain numbers."""
-        return {"g_m_per_s2": self.g, "u_g_m_per_s2": self.u_g, "lengths_too_short_by_m": self.short, "u_lengths_too_short_by_m": self.u_short, "exponent_of_lengths_so_off": _known(self.shifted.exponent), "u_exponent_of_lengths_so_off": _known(self.shifted.u_exponent), "birge_ratio": self.scatter.birge}  # fmt: skip
+        return {"g_m_per_s2": self.g, "u_g_m_per_s2": self.u_g, "lengths_too_short_by_m": self.short, "u_lengths_too_short_by_m": self.u_short, "exponent_of_lengths_so_off": finite_or_none(self.shifted.exponent), "u_exponent_of_lengths_so_off": finite_or_none(self.shifted.u_exponent), "birge_ratio": self.scatter.birge}  # fmt: skip
 
 
 def gravity_of_lengths(
@@ -364,9 +338,8 @@ def gravity_of_lengths(
     slopes = np.array([1 / slope, -short / slope])
     g = 4 * np.pi**2 / slope
     u_g, u_short = g / slope * np.sqrt(covariance[1, 1]), np.sqrt(slopes @ covariance @ slopes)
-    return LengthsAndPeriods(
-        g, float(u_g), short, float(u_short), (lengths, periods, u_x, u_y), line, scatter
-    )
+    points = lengths, periods, u_x, u_y
+    return LengthsAndPeriods(g, float(u_g), short, float(u_short), points, line, scatter)
 
 
 def _shifted(x: Floats, y: Floats, u_x: Floats, u_y: Floats, short: float) -> ShiftedLaw:
@@ -403,7 +376,3 @@ def _shifted(x: Floats, y: Floats, u_x: Floats, u_y: Floats, short: float) -> Sh
         return law(found, alike)
     found = fit(_further(lambda extra: 2 * fit(extra).cost, dof, float(np.std(log_y)), 1e-4))
     return law(found, max(uncertainty(found) * _student(dof), alike))
-
-
-def _known(value: float) -> float | None:
-    return value if np.isfinite(value) else None

@@ -19,7 +19,7 @@ from ..pendulum.model import Model
 from ..rounding import value_with_uncertainty
 
 _SAMPLES = (
-    4000  # of a period: a parabola through three of them finds a turning point to 1e-8 of the amplitude
+    4000  # of a period: through three of them a parabola finds a turning point to 1e-8 of the amplitude
 )
 _AMPLITUDES = 6  # at which the loss is asked for, from the stated one to its e-th part
 _SEEN = 3.0  # standard errors of a loss
@@ -143,9 +143,8 @@ def _cycles(model: Model, amplitudes: Floats, later: int = 0) -> list[Cycle]:
     span = 1.5 + later / 2
     times = span * ideal * np.arange(int(span * _SAMPLES)) / (span * _SAMPLES)
     angles = simulate_each(model, times, [[*model.vector(), one, 0.0] for one in amplitudes])
-    return [
-        _one_cycle(times, angle, float(one), later) for one, angle in zip(amplitudes, angles, strict=True)
-    ]
+    each = zip(amplitudes, angles, strict=True)
+    return [_one_cycle(times, angle, float(one), later) for one, angle in each]
 
 
 def _one_cycle(times: Floats, angle: Floats, amplitude: float, later: int) -> Cycle:
@@ -153,10 +152,8 @@ def _one_cycle(times: Floats, angle: Floats, amplitude: float, later: int) -> Cy
     turns = np.flatnonzero(np.diff(np.sign(np.diff(angle[1:]))) != 0) + 2
     if turns.size < 2 + later:
         return Cycle(np.nan, np.nan, amplitude)
-    (began, top), (_, low), (ended, high) = [
-        (0.0, float(angle[0])),
-        *(_vertex(times, angle, k) for k in turns[: 2 + later]),
-    ][later:]
+    each = [(0.0, float(angle[0])), *(_vertex(times, angle, k) for k in turns[: 2 + later])]
+    (began, top), (_, low), (ended, high) = each[later:]
     period, first, second = ended - began, abs(top - low), abs(high - low)
     if not first > second > 0:
         return Cycle(period, np.nan, amplitude)
@@ -274,13 +271,9 @@ def quantities(
                 scale = np.exp(slopes @ beside.shift / found)
                 found, variance = found * scale, variance * scale**2
         errors = np.where(np.isfinite(found) & (variance > 0), np.sqrt(np.maximum(variance, 0.0)), np.nan)
-    result = {
-        name: Quantity(float(value), float(error), unit)
-        for (name, unit), value, error in zip(UNITS.items(), found, errors, strict=True)
-    }
-    for parameter, value, error in zip(model.definitions[1:], values[1:], own[1:], strict=True):
-        result[parameter.name] = Quantity(float(value), float(error), parameter.unit)
-    return result
+    units = UNITS | {one.name: one.unit for one in model.definitions[1:]}
+    each = zip(units.items(), [*found, *values[1:]], [*errors, *own[1:]], strict=True)
+    return {name: Quantity(float(value), float(error), unit) for (name, unit), value, error in each}
 
 
 def in_its_middle(amplitude: float, known: Mapping[str, Quantity]) -> float:

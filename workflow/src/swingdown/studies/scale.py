@@ -50,12 +50,9 @@ class Scale:
         """The doubt in words, with what is left in ``unit``; empty where there is none."""
         if self.factor == 1.0:
             return ""
-        down = self.factor < 1
-        way, mistake = (
-            ("smaller", "degrees taken for rad, or a spring's pull?")
-            if down
-            else ("larger", "rad taken for degrees?")
-        )
+        way, mistake = "larger", "rad taken for degrees?"
+        if self.factor < 1:
+            way, mistake = "smaller", "degrees taken for rad, or a spring's pull?"
         return (
             f"the unit is in doubt ({mistake}): damping leaves {1e3 * self.left_given:.3g} m{unit} RMS of these swings, and "
             f"{1e3 * self.left:.3g} m{unit} where they are {1 / DEGREE:.3g} times {way}"
@@ -89,7 +86,9 @@ def _scale_of(swings: Sequence[Swing], restoring: str, reading: str, stated: boo
             continue
         left = other.rms / factor
         better, by = (other, factor) if left < given.rms else (given, 1.0)
-        samples = _independent(better, swings, by)
+        inflation = uncertainty(better, _scaled(swings, by)).inflation
+        # those that count as independent
+        samples = better.n / max(1.0, inflation) if np.isfinite(inflation) else 0.0
         evidence = 2 * samples * log(given.rms / left)
         told |= factor < 1 and abs(evidence) > _CLEAR**2
         less = left if factor < 1 else less
@@ -135,12 +134,6 @@ def _swings(swings: Sequence[Swing], factor: float, given: Fit) -> bool:
 
 def _scaled(swings: Sequence[Swing], factor: float) -> list[Swing]:
     return [(times, factor * angle) for times, angle in swings]
-
-
-def _independent(fit: Fit, swings: Sequence[Swing], factor: float) -> float:
-    """How many of the samples count as independent beside what the fit leaves."""
-    inflation = uncertainty(fit, _scaled(swings, factor)).inflation
-    return fit.n / max(1.0, inflation) if np.isfinite(inflation) else 0.0
 
 
 def _does_all(other: Fit, swings: Sequence[Swing], factor: float, given: float, samples: float) -> bool:

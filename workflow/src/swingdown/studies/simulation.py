@@ -103,25 +103,12 @@ def simulation_norms(
     ``norm`` (degrees) is the RMS of fit minus noise-free truth, ``residual_norm`` that of noisy data minus fit. Plain names are of
     the paper's Nelder-Mead, those with the prefix ``least_squares_`` of trajectory least squares.
 
-    Parameters
-    ----------
-    realizations
-        As the function of that name returns it.
-    simulated
-        One of its models.
-    fitted
-        Labels of the models to fit.
-    start
-        ``rest`` or ``free``.
-    own
-        The settings' key ``effects``.
+    ``realizations`` is as the function of that name returns it, ``simulated`` one of its models; ``fitted`` are labels of the models to fit,
+    ``start`` is ``rest`` or ``free``, and ``own`` the settings' key ``effects``.
     """
     if simulated not in realizations["simulated"].values:
-        raise InputError(
-            "simulation.simulated",
-            f"{simulated!r} was not simulated",
-            ", ".join(realizations["simulated"].values),
-        )
+        known = ", ".join(realizations["simulated"].values)
+        raise InputError("simulation.simulated", f"{simulated!r} was not simulated", known)
     chosen = realizations.sel(simulated=simulated)
     times, truth, swings = (chosen[name].values for name in ("time", "truth", "noisy"))
     family = models(fitted, own, realizations.attrs["restoring"], realizations.attrs["form"])
@@ -129,8 +116,20 @@ def simulation_norms(
     names = coords["parameter"][1]
     shape = (1, len(fitted), len(swings))
     variables: dict[str, Variable] = {}
+
+    def rows_of(method: Callable[..., Fit], swing: Floats) -> dict[str, list[Any]]:
+        fits = fit_nested(family, lambda model, guess: method(model, times, swing, guess=guess, start=start))
+        return {
+            "norm": [_rms_degrees(fit.angle - truth) for fit in fits],
+            "residual_norm": [_rms_degrees(fit.angle - swing) for fit in fits],
+            "value": [spread(fit.model.values, names) for fit in fits],
+            "standard_error": [spread(fit.model.standard_errors, names) for fit in fits],
+            "converged": [fit.converged for fit in fits],
+            "evaluations": [fit.evaluations for fit in fits],
+        }
+
     for prefix, method in (("", fit_nelder_mead), ("least_squares_", fit_trajectory)):
-        rows = [_rows(method, family, times, swing, truth, names, start) for swing in swings]
+        rows = [rows_of(method, swing) for swing in swings]
         for name in rows[0]:
             stacked = np.array([row[name] for row in rows]).swapaxes(0, 1)
             dims = ("simulated", "fitted", "realization", "parameter")[: stacked.ndim + 1]
@@ -140,29 +139,8 @@ def simulation_norms(
         "realization": ("realization", chosen["realization"].values, dict(chosen["realization"].attrs)),
     }
     data = xr.Dataset(variables, coords, realizations.attrs | {"start": start})
-    return labelled(
-        data, norm="RMS of fit minus noise-free truth", least_squares_norm="RMS of fit minus noise-free truth"
-    )
-
-
-def _rows(
-    method: Callable[..., Fit],
-    family: Sequence[Model],
-    times: Floats,
-    swing: Floats,
-    truth: Floats,
-    names: Sequence[str],
-    start: str,
-) -> dict[str, list[Any]]:
-    fits = fit_nested(family, lambda model, guess: method(model, times, swing, guess=guess, start=start))
-    return {
-        "norm": [_rms_degrees(fit.angle - truth) for fit in fits],
-        "residual_norm": [_rms_degrees(fit.angle - swing) for fit in fits],
-        "value": [spread(fit.model.values, names) for fit in fits],
-        "standard_error": [spread(fit.model.standard_errors, names) for fit in fits],
-        "converged": [fit.converged for fit in fits],
-        "evaluations": [fit.evaluations for fit in fits],
-    }
+    meaning = "RMS of fit minus noise-free truth"
+    return labelled(data, norm=meaning, least_squares_norm=meaning)
 
 
 def _rms_degrees(series: Floats) -> float:

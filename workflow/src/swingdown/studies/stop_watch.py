@@ -27,16 +27,9 @@ class Timed(NamedTuple):
 def timed(times: Floats, series: Floats, curve: Floats | None = None) -> tuple[Timed, Timed] | None:
     """The first and the last swings of a recording, each timed together as with a stop-watch; None where fewer than two whole ones are seen.
 
-    Parameters
-    ----------
-    times
-        In s, of shape (sample,).
-    series
-        The swing as recorded, of shape (sample,).
-    curve
-        The fitted swing, of shape (sample,). It tells when the middle is passed. Where passages of the recording run away from these, they
-        tell the mean. None where no model follows the swing: then each passage of the recording counts, so that one at an end that noise
-        moved matters less. Passages that a hole hides are counted by the time between the others.
+    The times (s), the ``series`` as recorded and the fitted ``curve`` are of shape (sample,). The curve tells when the middle is passed. Where
+    passages of the recording run away from these, they tell the mean. None where no model follows the swing: then each passage of the
+    recording counts, so that one at an end that noise moved matters less. Passages that a hole hides are counted by the time between the others.
     """
     swings = half_swings(course := series if curve is None else curve)
     passed, halves = counted_passages(times, course, HIDES)
@@ -48,11 +41,8 @@ def timed(times: Floats, series: Floats, curve: Floats | None = None) -> tuple[T
 
     def of(first: int, last: int, other: int) -> Timed:
         """Of these half-swings; both ways through the middle count alike, so that one beside the true one moves nothing."""
-        ways = [
-            np.searchsorted(halves, (first + k, last + k))
-            for k in (0, other)
-            if first + k >= 0 and last + k <= halves[-1]
-        ]
+        sides = [k for k in (0, other) if first + k >= 0 and last + k <= halves[-1]]
+        ways = [np.searchsorted(halves, (first + k, last + k)) for k in sides]
         each = slice(np.min(ways), np.max(ways) + 1)
         if curve is None:
             mean = _apart(halves[each], passed[each])
@@ -112,23 +102,16 @@ def by_stop_watch(shown: Sequence[Shown], table: pd.DataFrame) -> list[dict[str,
         if parts[0].unit == "rad/s":
             series = calmed(times, series, ends_quiet=False)
         found = timed(times, series, None if course_seen(row) else fit)
-        if found:
-            scaled = parts[0].unit == "rad" and np.isfinite(row["amplitude_rad"])
-            first, last = (
-                {"period_s": finite_or_none(one.period), "amplitude_rad": one.amplitude if scaled else None}
-                for one in found
-            )
-            alone = of_first_swings(times, series)
-            told.append(
-                {
-                    "recording": name,
-                    "first_swing": {
-                        "period_s": finite_or_none(alone["period_first"]),
-                        "standard_uncertainty": finite_or_none(alone["period_first_u"]),
-                    },
-                    "swings": found[0].swings,
-                    "first": first,
-                    "last": last,
-                }
-            )
+        if not found:
+            continue
+        scaled = parts[0].unit == "rad" and np.isfinite(row["amplitude_rad"])
+        first, last = (
+            {"period_s": finite_or_none(one.period), "amplitude_rad": one.amplitude if scaled else None}
+            for one in found
+        )
+        alone = of_first_swings(times, series)
+        period, u = (finite_or_none(alone[key]) for key in ("period_first", "period_first_u"))
+        whole = {"period_s": period, "standard_uncertainty": u}
+        many = {"swings": found[0].swings, "first": first, "last": last}
+        told.append({"recording": name, "first_swing": whole} | many)
     return told

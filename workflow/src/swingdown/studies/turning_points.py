@@ -124,19 +124,21 @@ def _passed(angle: xr.Dataset, names: Sequence[str]) -> dict[str, Any]:
 
 def period_of_passages(norms: xr.Dataset) -> tuple[float, float]:
     """The period (s) of passages without speeds and its standard uncertainty, from their part of the norms."""
-    frequency, error = (
-        float(norms[key].isel(fitted=0).sel(parameter="natural_frequency"))
-        for key in ("value", "standard_error")
-    )
+    return _small_swings(norms.isel(fitted=0))
+
+
+def _small_swings(own: xr.Dataset) -> tuple[float, float]:
+    """The period (s) of a fit's natural frequency, and its standard uncertainty."""
+    frequency, u = (float(own[key].sel(parameter="natural_frequency")) for key in ("value", "standard_error"))
     period = 2 * np.pi / frequency
-    return period, period * error / frequency
+    return period, period * u / frequency
 
 
 def passages_told(norms: xr.Dataset) -> dict[str, str]:
     """The cells of a row of ``studies.pendulums`` of passages without speeds: where its period holds, and ``note``, what is to be known."""
     own = norms.isel(fitted=0)
     notes = [_scatter(own, 1.0, ""), _change(own), NO_DAMPING, NOT_IN_IT]
-    return {"amplitude_text": "the middle of the recording", "note": "; ".join(one for one in notes if one)}
+    return {"amplitude_text": "the middle of the recording", "note": "; ".join(filter(None, notes))}
 
 
 def row_of(fit: TurnsFit, names: Sequence[str]) -> dict[str, Any]:
@@ -217,35 +219,22 @@ def as_told(row: Mapping[str, Any], norms: xr.Dataset, alike: Sequence[str]) -> 
     kind, unit = (str(norms[key].values.item()) for key in ("points", "points_unit"))
     counted = kind == COUNTED
     dropped = (*(_DROPPED["time"] if counted else ()), *(_DROPPED["angle"] if unit != "rad" else ()))
-    found = {
-        key: value for key, value in row.items() if not any(str(key).startswith(name) for name in dropped)
-    }
+    found = {key: value for key, value in row.items() if not str(key).startswith(dropped)}
     if counted:
         found = {str(key).replace("decay_time_s", "decay_swings"): value for key, value in found.items()}
     own = norms.sel(fitted=row["model"])
     scale = float(own["points_scale"])
     if unit != "rad":
-        found |= {
-            "amplitude_rad": np.nan,
-            "residual_rad": np.nan,
-            "amplitude_text": f"{scale * row['amplitude_rad']:.3g} {unit}",
-        }
+        size = f"{scale * row['amplitude_rad']:.3g} {unit}"
+        found |= {"amplitude_rad": np.nan, "residual_rad": np.nan, "amplitude_text": size}
     first, error = (float(own[key]) for key in ("period_first", "period_first_u"))
     if np.isfinite(first):  # of passages: a speed does not tell at which angle they are
         found = {key: value for key, value in found.items() if not str(key).startswith("natural_frequency")}
-        found |= {
-            "period_s": first,
-            "period_s_u": error,
-            "period_s_text": value_with_uncertainty(first, error),
-        }
-    notes = [
-        _law(str(row["model"]), alike),
-        _scatter(own, scale, unit),
-        _change(own),
-        _dependence(own, row, unit),
-        NOT_IN_IT,
-    ]
-    return found | {"or_model": "; ".join(alike), "note": "; ".join(one for one in notes if one)}
+        text = value_with_uncertainty(first, error)
+        found |= {"period_s": first, "period_s_u": error, "period_s_text": text}
+    law, scatter = _law(str(row["model"]), alike), _scatter(own, scale, unit)
+    notes = [law, scatter, _change(own), _dependence(own, unit), NOT_IN_IT]
+    return found | {"or_model": "; ".join(alike), "note": "; ".join(filter(None, notes))}
 
 
 def _law(model: str, alike: Sequence[str]) -> str:
@@ -267,21 +256,17 @@ def _scatter(own: xr.Dataset, scale: float, unit: str) -> str:
 def _change(own: xr.Dataset) -> str:
     """How the period changes from the first passage to the last."""
     change, error = (1e3 * float(own[key]) for key in ("period_change", "period_change_u"))
-    if np.isfinite(change):
-        return (
-            f"the period changes by {value_with_uncertainty(change, error)} ms from the first one to the last"
-        )
-    return ""
+    if not np.isfinite(change):
+        return ""
+    return f"the period changes by {value_with_uncertainty(change, error)} ms from the first one to the last"
 
 
-def _dependence(own: xr.Dataset, row: Mapping[str, Any], unit: str) -> str:
+def _dependence(own: xr.Dataset, unit: str) -> str:
     """Period at small amplitude, and whether its dependence on the amplitude is that of a pendulum."""
     share, error = float(own["amplitude_share"]), float(own["amplitude_share_u"])
     if unit != "rad" or not np.isfinite(share):
         return ""
-    frequency, u = (float(own[key].sel(parameter="natural_frequency")) for key in ("value", "standard_error"))
-    period = 2 * np.pi / frequency
-    told = f"small swings take {value_with_uncertainty(period, period * u / frequency)} s"
+    told = f"small swings take {value_with_uncertainty(*_small_swings(own))} s"
     if error > _SEEN:
         return f"{told}; the period shows no dependence on the amplitude"
     return f"{told}; the period grows with the amplitude {value_with_uncertainty(share, error)} times as fast as weight makes it"

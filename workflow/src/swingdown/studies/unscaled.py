@@ -41,12 +41,9 @@ def counted_passages(times: Floats, series: Floats, hole: float = _STRAIGHT) -> 
         after = np.searchsorted(times, found).clip(1, times.size - 1)
         found = found[times[after] - times[after - 1] < hole * np.median(np.diff(found, prepend=times[0]))]
     gaps = np.diff(found)
-    halves = (
-        np.concatenate([[0], np.cumsum(np.round(gaps / np.median(gaps)))]).astype(int)
-        if gaps.size
-        else np.zeros(0, int)
-    )
-    return found, halves
+    if not gaps.size:
+        return found, np.zeros(0, int)
+    return found, np.concatenate([[0], np.cumsum(np.round(gaps / np.median(gaps)))]).astype(int)
 
 
 def pace_of(angle: xr.Dataset, times: Floats, series: Floats) -> dict[str, float]:
@@ -136,11 +133,8 @@ def at_first_swing(own: xr.Dataset) -> tuple[Quantity | None, dict[str, Any]]:
     )
     if not np.isfinite([first, change]).all():
         return None, {}
-    both = [
-        value_with_uncertainty(one, u)
-        for one, u in ((first, u_first), (first + change, float(np.hypot(u_first, u_change))))
-    ]
-    note = COURSE.format(*both)
+    last = value_with_uncertainty(first + change, float(np.hypot(u_first, u_change)))
+    note = COURSE.format(value_with_uncertainty(first, u_first), last)
     if own.attrs.get("restoring") != "linear":
         note += "; the period of small swings needs the scale"
     cells = {"period_of": PASSAGES, "last_period_s": first + change}

@@ -86,14 +86,10 @@ def quantity_rows(row: Mapping[str, Any], verdict: Mapping[str, Any] | None = No
     }
     only = _only(row)
     order = [name for name in _WORDS if name in found] + [name for name in found if name not in _WORDS]
+    known = {"g": float(row.get("g_u_without_length_m_per_s2", nan))}
+    words = {name: _WORDS.get(name, name.replace("_", " ")) for name in order}
     told = [
-        QuantityRow(
-            name,
-            _WORDS.get(name, name.replace("_", " ")),
-            *found[name],
-            conditions.get(name, only),
-            float(row.get("g_u_without_length_m_per_s2", nan)) if name == "g" else nan,
-        )  # fmt: skip
+        QuantityRow(name, words[name], *found[name], conditions.get(name, only), known.get(name, nan))
         for name in order
     ]
     if verdict and verdict["status"] in NAMING and row.get("model_of") != SEARCH:

@@ -20,15 +20,8 @@ MOST_JOBS = 2000  # beyond that the workflow's own time and the file system are 
 
 @dataclass(frozen=True)
 class Chunk:
-    """One job of a sweep.
-
-    Attributes
-    ----------
-    computes, settings, keys
-        What is computed, the settings that its cells share, the axes' keys.
-    parts
-        A cell's values, first draw and number of draws, each.
-    """
+    """One job of a sweep: what it ``computes``, the ``settings`` that its cells share, the axes' ``keys``, and its ``parts``, of which each is a
+    cell's values, its first draw and the number of draws."""
 
     computes: str
     settings: dict
@@ -38,12 +31,7 @@ class Chunk:
     @property
     def content(self):
         """The chunk as text (JSON)."""
-        content = {
-            "computes": self.computes,
-            "settings": self.settings,
-            "keys": self.keys,
-            "parts": self.parts,
-        }
+        content = {name: getattr(self, name) for name in ("computes", "settings", "keys", "parts")}
         return json.dumps(content, separators=(",", ":"))
 
     @property
@@ -65,18 +53,10 @@ class Chunk:
 
 @dataclass(frozen=True)
 class Dealt:
-    """What a sweep needs.
+    """What a sweep needs: its ``chunks`` by name, and their ``files``' names without the ending.
 
-    Attributes
-    ----------
-    chunks
-        By name.
-    files
-        Their files' names without the ending.
-    new, missing
-        Those new in the book, and those not computed.
-    outdated
-        Names of chunks whose results other code computed, by the version of that code.
+    ``new`` are those new in the book, ``missing`` those not computed, and ``outdated`` has the version of the code by the names of chunks
+    whose results other code computed.
     """
 
     chunks: dict
@@ -106,23 +86,8 @@ def deal(sweep, book, code="", again=False):
     """The ``Dealt`` of a sweep: chunks of the book that hold what it wants, then new ones.
 
     Chunks with results, in the folder ``chunks`` beside the book, come first. One without results that holds more than is wanted
-    is passed over.
-
-    Parameters
-    ----------
-    sweep
-        The ``Sweep``.
-    book
-        The path of the book, which need not exist.
-    code
-        The version that computes what is missing.
-    again
-        Whether results of other code count as missing.
-
-    Raises
-    ------
-    InputError
-        For more than ``MOST_JOBS`` chunks.
+    is passed over. ``book`` is the path of the book, which need not exist, and ``code`` the version that computes what is missing; results
+    of other code count as missing if it is to be ``again``. InputError for more than ``MOST_JOBS`` chunks.
     """
     there = made(Path(book).parent / "chunks")
     chunks, open_parts = _held(sweep, book, there)
@@ -137,14 +102,12 @@ def deal(sweep, book, code="", again=False):
     files, missing, outdated = {}, [], {}
     for name in chunks:
         versions = there.get(name, [])
-        if code in versions:
-            files[name] = stem(name, code)
-        elif versions and not again:
-            files[name] = stem(name, versions[-1])
-            outdated[name] = versions[-1]
-        else:
-            files[name] = stem(name, code)
+        version = code if again or code in versions or not versions else versions[-1]
+        files[name] = stem(name, version)
+        if version not in versions:
             missing.append(name)
+        elif version != code:
+            outdated[name] = version
     return Dealt(chunks, files, new, tuple(missing), outdated)
 
 
@@ -225,12 +188,8 @@ def find_chunk(book, name):
     for line, where in _lines(book):
         if line.startswith(name):
             return _chunk(line, where)
-    raise InputError(
-        book,
-        f"no chunk {name}",
-        "a book that lists it",
-        "run the sweep again: it writes the book before its jobs",
-    )
+    mend = "run the sweep again: it writes the book before its jobs"
+    raise InputError(book, f"no chunk {name}", "a book that lists it", mend)
 
 
 def _lines(book):
@@ -246,10 +205,9 @@ def add_to_book(book, chunks):
     known = {chunk.name for chunk in read_book(book)} if chunks else set()
     if chunks := [chunk for chunk in chunks if chunk.name not in known]:
         before = book.read_text(encoding="utf-8") if book.exists() else ""
+        lines = "".join(f"{chunk.name} {chunk.content}\n" for chunk in chunks)
         with written_whole(book) as partial:
-            partial.write_text(
-                before + "".join(f"{chunk.name} {chunk.content}\n" for chunk in chunks), encoding="utf-8"
-            )
+            partial.write_text(before + lines, encoding="utf-8")
     return book
 
 

@@ -31,19 +31,7 @@ def combine(sweep, paths, output):
     Dimensions are the axes' names, ``realization``, and what the variables are listed by (``fitted``). ``noise_key`` has the
     seeds, ``reason`` why a cell could not be made. Of a sweep in a Zarr store, ``row`` is where each draw is in it (``store``).
 
-    Parameters
-    ----------
-    sweep
-        The ``table.Sweep``.
-    paths
-        The chunks.
-    output
-        The path to write.
-
-    Raises
-    ------
-    InputError
-        With the cell whose draw is missing or there twice.
+    ``sweep`` is a ``table.Sweep``, ``paths`` are its chunks. InputError with the cell whose draw is missing or there twice.
     """
     output = Path(output)
     keys = (cell_key(sweep.computes, sweep.cell(values)) for values in sweep)
@@ -58,7 +46,8 @@ def combine(sweep, paths, output):
             taken, versions = _fill(file, sweep, where, listed, paths, found)
             _check(sweep, taken)
             file.code = "; ".join(f"{version}: {draws} draws" for version, draws in sorted(versions.items()))
-            summary.add(file, sweep, listed[1], _reasons(found, where))
+            told = {key: why for one in reversed(found) for key, why in one["reasons"].items()}
+            summary.add(file, sweep, {where[key]: why for key, why in told.items() if key in where})
             summary.from_file(file, sweep)
         if sweep.format == "zarr":
             store.move(partial, output.parent)
@@ -82,11 +71,6 @@ def _listed(found):
         dimension = one["listed"][0] or dimension
         names += one["listed"][1]
     return dimension, list(dict.fromkeys(names))
-
-
-def _reasons(found, where):
-    """Why a cell, or one of its draws, could not be made: by the cell's index."""
-    return {where[key]: why for one in reversed(found) for key, why in one["reasons"].items() if key in where}
 
 
 def _skeleton(sweep, listed):
@@ -148,11 +132,8 @@ def _fill(file, sweep, where, listed, paths, found):
             taken[index].append((start, stop))
             versions[version] += stop - start
             for name in block:
-                values = block[name][: stop - start]
-                if values.ndim == 1:
-                    file[name][(*index, slice(start, stop))] = values
-                else:
-                    file[name][(*index, slice(start, stop), own)] = values
+                values, here = block[name][: stop - start], (*index, slice(start, stop))
+                file[name][here if values.ndim == 1 else (*here, own)] = values
     return taken, versions
 
 
@@ -160,17 +141,9 @@ def _create(file, name, kind, own, told, dims, listed):
     several = len(own) > 1
     size = file.dimensions["realization"].size
     shape = (1,) * (len(dims) - 1) + (min(size, _BLOCK),) + ((len(listed[1]),) if several else ())
-    kept = "i1" if kind.itemsize == 1 else _KEPT[kind.kind]
-    made = file.createVariable(
-        name,
-        kept,
-        (*dims, listed[0]) if several else dims,
-        zlib=True,
-        complevel=4,
-        fletcher32=True,
-        chunksizes=shape,
-        fill_value=np.nan if kept == "f8" else None,
-    )
+    kept, dims = "i1" if kind.itemsize == 1 else _KEPT[kind.kind], (*dims, listed[0]) if several else dims
+    unknown = np.nan if kept == "f8" else None
+    made = file.createVariable(name, kept, dims, chunksizes=shape, fill_value=unknown, **summary.PACKED)
     made.setncatts(told)
 
 

@@ -20,9 +20,8 @@ def compute(chunk, computation):
     began = time.process_time()
     cells = list(chunk.cells())
     keys = list(dict.fromkeys(key for _, key, *_ in cells))
-    listed = list(
-        dict.fromkeys(name for settings, *_ in cells for name in computation.entries(settings) or ())
-    )
+    entries = [name for settings, *_ in cells for name in computation.entries(settings) or ()]
+    listed = list(dict.fromkeys(entries))
     dims = ("draw", computation.DIMENSION) if computation.DIMENSION else ("draw",)
     shape = (chunk.draws, len(listed)) if computation.DIMENSION else (chunk.draws,)
     columns, at, fits = {}, 0, 0
@@ -62,9 +61,8 @@ def _results(computation, settings, first, count, axes):
         where = ", ".join(f"{key} {settings[key]}" for key in axes)
         error.add_note(f"in the cell with {where}, draws {first} to {first + count - 1}")
         if isinstance(error, InputError):
-            raise InputError(
-                f"sweep, cell with {where}", error.problem, error.expected, error.mend
-            ) from error
+            told = error.problem, error.expected, error.mend
+            raise InputError(f"sweep, cell with {where}", *told) from error
         raise
 
 

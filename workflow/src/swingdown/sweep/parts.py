@@ -16,11 +16,7 @@ def parts(path):
     """
     with dataset.opened(path) as file:
         keys, size = texts(file["key"]), file.dimensions["draw"].size
-        names = [
-            name
-            for name, one in file.variables.items()
-            if one.dimensions[:1] == ("draw",) and name not in _ABOUT
-        ]
+        names = list(_drawn(file))
         for begin in range(0, size, _BLOCK):
             here = slice(begin, min(begin + _BLOCK, size))
             cells, draws = np.asarray(file["cell"][here]), np.asarray(file["realization"][here])
@@ -36,15 +32,10 @@ def about(path):
     with its type and dimensions, ``reasons`` by the cell's key, and the chunk's own ``attributes``.
     """
     with dataset.opened(path) as file:
-        variables = {
-            name: (
-                one.dtype,
-                one.dimensions,
-                {key: one.getncattr(key) for key in one.ncattrs() if key != "_FillValue"},
-            )
-            for name, one in file.variables.items()
-            if one.dimensions[:1] == ("draw",) and name not in _ABOUT
-        }
+        variables = {}
+        for name, one in _drawn(file).items():
+            told = {key: one.getncattr(key) for key in one.ncattrs() if key != "_FillValue"}
+            variables[name] = one.dtype, one.dimensions, told
         other = {name for _, dims, _ in variables.values() for name in dims[1:]}
         dimension = next(iter(other), None)
         reasons = texts(file["reason"]) if "reason" in file.variables else []
@@ -54,6 +45,12 @@ def about(path):
             "reasons": {key: why for key, why in zip(texts(file["key"]), reasons, strict=False) if why},
             "attributes": {name: file.getncattr(name) for name in file.ncattrs()},
         }
+
+
+def _drawn(file):
+    """The variables of a chunk that each draw has, by name."""
+    each = {name: one for name, one in file.variables.items() if one.dimensions[:1] == ("draw",)}
+    return {name: one for name, one in each.items() if name not in _ABOUT}
 
 
 def texts(variable):

@@ -15,6 +15,7 @@ LEVEL = 0.95  # of every interval that is told
 TEN = 10  # runs whose mean norm the paper compares
 _SINGLE = ("viscous", "quadratic_drag", "load_coulomb")
 _BLOCK = 32760  # draws read at a time, whole sets of ten
+PACKED = {"zlib": True, "complevel": 4, "fletcher32": True}  # how netCDF4 keeps a variable
 
 
 def _ends(*names):
@@ -66,11 +67,9 @@ DETECTION = BOTH | {
 }
 
 
-def add(file, sweep, listed, reasons):
-    """The open netCDF4 ``file`` of a combined sweep with variables for the cells' probabilities, and why cells were not made.
-
-    ``listed`` are the fitted models, ``reasons`` the texts by the cell's index.
-    """
+def add(file, sweep, reasons):
+    """The open netCDF4 ``file`` of a combined sweep with variables for the cells' probabilities, and why cells were not made: the
+    ``reasons`` by the cell's index."""
     kinds, axes = _kinds(sweep), tuple(axis.dim for axis in sweep.axes)
     if sweep.computes == "detection":
         from .detection import OUTCOMES
@@ -80,9 +79,7 @@ def add(file, sweep, listed, reasons):
         said.long_name = "what discovery said"
         said[:] = np.array(OUTCOMES, dtype=object)
     for name, (more, units, meaning) in kinds.items():
-        made = file.createVariable(
-            name, "f8", (*axes, *more), zlib=True, complevel=4, fletcher32=True, fill_value=np.nan
-        )
+        made = file.createVariable(name, "f8", (*axes, *more), fill_value=np.nan, **PACKED)
         made.setncatts({"units": units, "long_name": meaning})
     told = np.full(sweep.shape, "", dtype=object)
     for index, why in reasons.items():
@@ -124,9 +121,8 @@ class _Cell:
         rows = rows[made]
         if len(rows):
             self._first = rows[:1] if self._first is None else self._first
-            self._alike = self._alike and bool(
-                np.array_equal(rows, np.repeat(self._first, len(rows), axis=0), equal_nan=True)
-            )
+            first = np.repeat(self._first, len(rows), axis=0)
+            self._alike = self._alike and np.array_equal(rows, first, equal_nan=True)
 
     def _counted(self):
         return {"made": self.made, "independent": min(self.made, 1) if self._alike else self.made}
@@ -144,9 +140,8 @@ class _Identified(_Cell):
         zeros = np.zeros(len(fitted))
         self._norm, self._bic, self._sum, self._finite, self._converged = (zeros.copy() for _ in range(5))
         four = [*_SINGLE, "+".join(name for name in _SINGLE if name != truth)]
-        self._four = (
-            [fitted.index(name) for name in four] if truth in _SINGLE and set(four) <= set(fitted) else []
-        )
+        known = truth in _SINGLE and set(four) <= set(fitted)
+        self._four = [fitted.index(name) for name in four] if known else []
         self._true, self._sets, self._best = four.index(truth) if truth in four else 0, 0, 0
 
     def feed(self, block):
@@ -158,14 +153,11 @@ class _Identified(_Cell):
         self._sum += np.nansum(norm, axis=0)
         self._finite += np.isfinite(norm).sum(axis=0)
         self._converged += (block["converged"] > 0).sum(axis=0)
-        if self._four:
-            self._feed_sets(norm[:, self._four])
-
-    def _feed_sets(self, four):
-        """The paper's comparison counted: three single terms and the pair without the true one, by the mean norm of ten runs."""
-        means = four[: len(four) // TEN * TEN].reshape(-1, TEN, 4).mean(axis=1)
-        self._sets += int(np.isfinite(means).any(axis=1).sum())
-        self._best += int(_lowest(means)[self._true])
+        if self._four:  # the paper's comparison: three single terms and the pair without the true one, by the mean norm of ten runs
+            sets = norm[: len(norm) // TEN * TEN, self._four]
+            means = sets.reshape(-1, TEN, 4).mean(axis=1)
+            self._sets += int(np.isfinite(means).any(axis=1).sum())
+            self._best += int(_lowest(means)[self._true])
 
     def told(self):
         n = self.made or math.nan
@@ -210,6 +202,7 @@ class _Detected(_Cell):
 
     def told(self):
         share = self._said / (self.made or math.nan)
+        reached = not self._asked or abs(self._left / self._asked - 1) < REACHED
         return self._counted() | {
             "share": share,
             "found": 1 - share[self._words.index("nothing")] - share[self._words.index("failed")],
@@ -217,13 +210,8 @@ class _Detected(_Cell):
             "size_of_effect": self._size,
             "left_by_base": self._left,
             "mean_gap": self._gap / self._gaps if self._gaps else math.nan,
-            "reached": self._reached(),
+            "reached": float(reached) if self.made else math.nan,
         }
-
-    def _reached(self):
-        if not self.made:
-            return math.nan
-        return float(not self._asked or abs(self._left / self._asked - 1) < REACHED)
 
 
 def _kinds(sweep):
@@ -263,9 +251,8 @@ def table(maps):
     axes, draws = maps.attrs["axes"].split(), int(maps.attrs["realizations"])
     shares = ["true_by_norm", "true_by_bic", "true_by_ten"] if "fitted" in maps.dims else ["found", "named"]
     frame = maps[[*shares, "made", "independent"]].to_dataframe().reset_index()
-    beside = [
-        name for name in maps.coords if maps[name].dims in {(axis,) for axis in axes} and name not in axes
-    ]
+    others = [name for name in maps.coords if name not in axes]
+    beside = [name for name in others if maps[name].dims in {(axis,) for axis in axes}]
     rows = frame[[*axes, *beside]].assign(draws=draws)
     rows["made"], rows["independent"] = frame["made"].astype(int), frame["independent"].astype(int)
     for name in shares:
@@ -276,11 +263,8 @@ def table(maps):
         rows["sets_of_ten"] = maps["sets_of_ten"].values.ravel()
         for criterion in ("norm", "bic"):
             most = maps[f"lowest_{criterion}"].fillna(-1)
-            rows[f"most_often_by_{criterion}"] = (
-                pd.Series(most["fitted"].values[most.argmax("fitted").values.ravel()])
-                .astype(str)
-                .where(frame["made"] > 0, "")
-            )
+            labels = pd.Series(most["fitted"].values[most.argmax("fitted").values.ravel()]).astype(str)
+            rows[f"most_often_by_{criterion}"] = labels.where(frame["made"] > 0, "")
         rows["unconverged"] = maps["unconverged"].mean("fitted").values.ravel()
     else:
         for word in maps["said"].values:
@@ -296,11 +280,9 @@ def combined(sweep, rows, chunks):
     """Lines that tell what was combined: how many draws, and how many cells could not be made, for which reasons."""
     draws = sweep.cells * sweep.realizations
     yield f"{sweep.name}: {sweep.cells} cells × {sweep.realizations} draws = {draws} draws, all there, from {chunks} chunks"
-    lost = rows[rows["made"] == 0]
-    for why, part in lost.groupby("reason"):
-        first = ", ".join(
-            f"{name} {part.iloc[0][name]}" for name in rows.columns[: list(rows.columns).index("draws")]
-        )
+    names = rows.columns[: list(rows.columns).index("draws")]
+    for why, part in rows[rows["made"] == 0].groupby("reason"):
+        first = ", ".join(f"{name} {part.iloc[0][name]}" for name in names)
         yield f"{len(part)} of {sweep.cells} cells could not be made: {why} (the first: {first})"
     if "reached" in rows and (short := int((rows["reached"] == 0).sum())):
         yield f"in {short} of {sweep.cells} cells no size of the hidden effect leaves what was asked for: left_by_base has what it leaves"

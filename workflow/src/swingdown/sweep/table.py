@@ -37,17 +37,8 @@ _TAKEN = ("fitted", "realization", "cell")  # names of dimensions that every res
 
 @dataclass(frozen=True)
 class Axis:
-    """One axis of a sweep.
-
-    Attributes
-    ----------
-    key, dim
-        Its key in the config, and the name of its dimension.
-    values, units, long_name
-        Its values, their unit, and its name in words.
-    coupled
-        Axes of other keys, as long, that change together with it.
-    """
+    """One axis of a sweep: its ``key`` in the config, the name of its dimension (``dim``), its ``values``, their ``units``, and its name in words
+    (``long_name``); ``coupled`` are axes of other keys, as long, that change together with it."""
 
     key: str
     dim: str
@@ -84,22 +75,9 @@ class Axis:
 
 @dataclass(frozen=True)
 class Sweep:
-    """A named table of cells.
+    """A named table of cells: what it ``computes``, its ``axes``, and the other ``settings`` of every cell, by key.
 
-    Attributes
-    ----------
-    name, computes
-        Its name, and what is computed.
-    axes
-        Its axes.
-    settings
-        The other settings of every cell, by key.
-    realizations
-        Draws of every cell.
-    chunk
-        The most draws in one job.
-    format
-        ``netcdf`` or ``zarr``.
+    ``realizations`` are the draws of every cell, ``chunk`` the most draws in one job; ``format`` is ``netcdf`` or ``zarr``.
     """
 
     name: str
@@ -142,10 +120,8 @@ def sweeps(config, where="config"):
     leaves open which model is simulated.
     """
     base = {key: value for key, value in config.items() if key != "sweeps"}
-    return {
-        name: _sweep(name, entry, base, f"{where}, key sweeps.{name}")
-        for name, entry in config["sweeps"].items()
-    }
+    entries = config["sweeps"].items()
+    return {name: _sweep(name, entry, base, f"{where}, key sweeps.{name}") for name, entry in entries}
 
 
 def _sweep(name, entry, base, where):
@@ -156,17 +132,15 @@ def _sweep(name, entry, base, where):
         _check_key(key, base, reads, entry["computes"], f"{where}.{'axes' if key in asked else 'settings'}")
     for key in entry["settings"]:
         if key in asked:
-            raise InputError(
-                f"{where}.settings", f"{key!r} is an axis too", "each key once", "remove one of the two"
-            )
+            told = f"{key!r} is an axis too", "each key once", "remove one of the two"
+            raise InputError(f"{where}.settings", *told)
     axes, fixed = {}, {}
     for keys, entries in entry["axes"].items():
         place = f"{where}.axes, {keys}"
         given_steps = written.steps(keys, entries, place)
         # what holds at both ends of a range holds between them: the settings' bounds are intervals
-        within = isinstance(entries, dict) and all(
-            isinstance(one, float) for step in given_steps for one in step
-        )
+        numbers = all(isinstance(one, float) for step in given_steps for one in step)
+        within = isinstance(entries, dict) and numbers
         steps = [
             tuple(
                 _plain(value, key) if within and 1 < k < len(given_steps) else _checked(base, key, value, f"{place}, value {k}")
@@ -193,10 +167,8 @@ def _sweep(name, entry, base, where):
 
 
 def _axis(keys, steps, names, own):
-    first, *others = [
-        Axis(key, names[key], tuple(step[k] for step in steps), unit(key, own), _words(key))
-        for k, key in enumerate(keys)
-    ]
+    each = zip(keys, zip(*steps, strict=True), strict=True)
+    first, *others = [Axis(key, names[key], values, unit(key, own), _words(key)) for key, values in each]
     return replace(first, coupled=tuple(others))
 
 
@@ -263,9 +235,8 @@ def _one_simulated(axes, fixed, asked, where):
     key = "simulation.simulated"
     models = _values(axes)[key] if key in asked else [[name] for name in fixed.pop(key)]
     if not models or any(len(one) != 1 for one in models):
-        raise InputError(
-            f"{where}.axes, {key}", f"{models!r}", "one model a value", "write `[viscous, load_coulomb]`"
-        )
+        mend = "write `[viscous, load_coulomb]`"
+        raise InputError(f"{where}.axes, {key}", f"{models!r}", "one model a value", mend)
     if len(models) == 1 and key not in asked:
         fixed[key] = models[0]
     elif key not in asked:
@@ -296,9 +267,8 @@ def _flat(config):
     """Every key of a config with its group: ``simulation.snr``; keys that have no group stand as they are."""
     found = {}
     for key, value in config.items():
-        found |= (
-            {f"{key}.{name}": one for name, one in value.items()} if isinstance(value, dict) else {key: value}
-        )
+        group = isinstance(value, dict)
+        found |= {f"{key}.{name}": one for name, one in value.items()} if group else {key: value}
     return found
 
 
@@ -324,9 +294,8 @@ def _words(key):
     parts = name.split("_")
     if len(parts) > 1 and parts[-1] in _UNITS:
         parts = parts[:-1]
-    return {"snr": "signal to noise ratio", "size": "what the hidden effect leaves, over the noise"}.get(
-        name, " ".join(parts)
-    )
+    known = {"snr": "signal to noise ratio", "size": "what the hidden effect leaves, over the noise"}
+    return known.get(name, " ".join(parts))
 
 
 def text(value):

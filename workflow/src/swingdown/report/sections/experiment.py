@@ -27,17 +27,13 @@ def experiment(material: Material) -> Section:
 
 def table3(table: pd.DataFrame, material: Material) -> Table:
     """The models fitted to each swing; in a study of one's own without the paper's column."""
+    above = "above the lowest, independent samples"
     columns = [
         Column("campaign", cell=lambda row: row.campaign),
         Column("fitted", cell=lambda row: model_symbol(row.fitted)),
         Column("norm", "degrees", "n", lambda row: numbers.spread(row.mean, row.std)),
         Column("reduced χ²", "", "n", lambda row: numbers.plain(row.reduced_chi2)),
-        Column(
-            "ΔBIC",
-            "above the lowest, independent samples",
-            "n",
-            lambda row: numbers.whole(row.delta_bic_effective),
-        ),
+        Column("ΔBIC", above, "n", lambda row: numbers.whole(row.delta_bic_effective)),
         Column("variance inflation", "", "n", lambda row: numbers.whole(row.variance_inflation)),
         Column("n", "", "n", lambda row: int(row.n)),
         Column("paper", "degrees", "n", lambda row: numbers.spread(row.published_mean, row.published_std)),
@@ -77,9 +73,8 @@ def paired(table: pd.DataFrame) -> Table:
     ]
     caption = "The difference of two models' norms on the same swing: mean (standard error) over the swings."
     notes = ["p: Student's for the mean difference, corrected for the number of pairs."]
-    return _by_campaign(
-        "Paired comparison", caption, columns, cells(columns, table.itertuples()), notes, "comparison"
-    )
+    rows = cells(columns, table.itertuples())
+    return _by_campaign("Paired comparison", caption, columns, rows, notes, "comparison")
 
 
 def fitted_parameters(table: pd.DataFrame) -> Table:
@@ -134,10 +129,5 @@ def _by_campaign(
                   tuple(dict.fromkeys(campaigns)))  # fmt: skip
     if len(whole.of) > 1:
         return whole
-    fitted = [row[1] for row in rows]
-    return replace(
-        whole,
-        columns=columns[1:],
-        rows=[row[1:] for row in rows],
-        groups=groups(fitted) if label == "Parameters" else (),
-    )
+    opened = groups(row[1] for row in rows) if label == "Parameters" else ()
+    return replace(whole, columns=columns[1:], rows=[row[1:] for row in rows], groups=opened)

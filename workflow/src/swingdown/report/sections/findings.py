@@ -17,7 +17,7 @@ def findings(material: Material) -> Section:
     lines = [f"{found['campaign']}: {found['sentence']}" for found in material.verdicts]
     table, comparison = material.tables.get("table3"), material.tables.get("comparison")
     for campaign, rows in table.groupby("campaign", sort=False) if table is not None else ():
-        lines += _experiment_findings(campaign, rows, comparison, material)
+        lines += _experiment_findings(campaign, rows, comparison)
     if (table := material.tables.get("table2")) is not None:
         compared = table.dropna(subset=["published_mean", "published_std"])
         inside = (compared["mean"] - compared["published_mean"]).abs() <= compared["published_std"]
@@ -30,9 +30,7 @@ def findings(material: Material) -> Section:
     return Section("Findings", [Findings(lines)] if lines else [])
 
 
-def _experiment_findings(
-    campaign: str, rows: pd.DataFrame, comparison: pd.DataFrame, material: Material
-) -> list[str]:
+def _experiment_findings(campaign: str, rows: pd.DataFrame, comparison: pd.DataFrame) -> list[str]:
     models = rows[rows["fitted"] != "error_bounds"].set_index("fitted")
     if models.empty:
         return []
@@ -54,10 +52,10 @@ def _experiment_findings(
         lines.append(f"{words}uncertainty explains (reduced χ²); a complete model leaves 1.")
     bound = rows[rows["fitted"] == "error_bounds"]
     if bound["mean"].notna().any():
-        within = "within" if best["mean"] <= bound["mean"].iloc[0] else "above"
-        size = numbers.spread(bound["mean"].iloc[0], bound["std"].iloc[0])
+        mean, std = bound["mean"].iloc[0], bound["std"].iloc[0]
+        within, size = "within" if best["mean"] <= mean else "above", f"{numbers.spread(mean, std)}°"
         lines.append(
-            f"{campaign}: it is {within} the paper's benchmark, the bounds of the measured angle ({size}°)."
+            f"{campaign}: it is {within} the paper's benchmark, the bounds of the measured angle ({size})."
         )
     return lines
 

@@ -1,6 +1,8 @@
 """What the models lack, campaign by campaign."""
 
 from collections.abc import Mapping
+from dataclasses import replace
+from math import nan
 from typing import Any
 
 from markupsafe import Markup
@@ -72,18 +74,15 @@ def drawn(material: Material, campaign: str, name: str, label: str, caption: str
 
 def _added(found: dict[str, Any]) -> Table:
     caption = f"Effects that are missing from the model of {found['campaign']}; in parentheses the standard error in units of the last digits."
-    notes = (
-        f"Moves: {'; '.join(map(model_words, found['moves']))}. {found['split'].capitalize()}.",
-        *_stopped(found),
-    )
-    return _effects(found["campaign"], "Effects", caption, found["effects"], notes)
+    moves = f"Moves: {'; '.join(map(model_words, found['moves']))}. {found['split'].capitalize()}."
+    return _effects(found, "Effects", caption, found["effects"], (moves, *_stopped(found)))
 
 
 def _helping(found: dict[str, Any]) -> Table:
     caption = f"Effects that may be part of what is missing from the model of {found['campaign']}, without enough evidence."
     doubts = [f"{one['name']}: {one['doubt']}".replace("_", " ") for one in found["stand_ins"]]
     notes = (f"Not asserted because: {'; '.join(doubts)}.", *(() if found["effects"] else _stopped(found)))
-    return _effects(found["campaign"], "Stand-ins", caption, found["stand_ins"], notes)
+    return _effects(found, "Stand-ins", caption, found["stand_ins"], notes)
 
 
 def _stopped(found: dict[str, Any]) -> tuple[str, ...]:
@@ -91,7 +90,7 @@ def _stopped(found: dict[str, Any]) -> tuple[str, ...]:
 
 
 def _effects(
-    campaign: str, title: str, caption: str, told: list[dict[str, Any]], notes: tuple[str, ...]
+    found: dict[str, Any], title: str, caption: str, told: list[dict[str, Any]], notes: tuple[str, ...]
 ) -> Table:
     columns = [
         Column("effect", cell=lambda one: model_words(one["name"])),
@@ -108,10 +107,13 @@ def _effects(
         for name, entry in one["parameters"].items()
         if entry["value"] is not None
     ]
-    link, rows = f"discovery/{campaign}/verdict.json", cells(columns, each)
-    return Table(
-        f"{title}, {campaign}", caption, columns, rows, notes, (), link, "discover_verdict", (campaign,)
-    )
+    return _of_verdict(found["campaign"], Table(title, caption, columns, cells(columns, each), notes))
+
+
+def _of_verdict(campaign: str, table: Table) -> Table:
+    """The table with what all have whose numbers stand in a campaign's verdict."""
+    label, link = f"{table.label}, {campaign}", f"discovery/{campaign}/verdict.json"
+    return replace(table, label=label, link=link, rule="discover_verdict", of=(campaign,))
 
 
 def _percent(share: float | None) -> str:
@@ -119,20 +121,16 @@ def _percent(share: float | None) -> str:
 
 
 def _where(found: dict[str, Any]) -> Table:
-    last, campaign = found["where"]["remaining"], found["campaign"]
+    campaign = found["campaign"]
+    at_end = {name: one.get("chi_square") for name, one in found["where"]["remaining"].items()}
     columns = [
         Column("group", cell=lambda one: one["name"]),
         Column("share of the excess", "%", "n", lambda one: _percent(one["share"])),
         Column("χ²", "", "n", lambda one: numbers.whole(one["chi_square"])),
         Column("degrees of freedom", "", "n", lambda one: int(one["freedom"])),
-        Column(
-            "χ² at the end", "", "n", lambda one: numbers.whole(last.get(one["name"], {}).get("chi_square"))
-        ),
+        Column("χ² at the end", "", "n", lambda one: numbers.whole(at_end.get(one["name"], nan))),
     ]
-    rows = cells(columns, ({"name": name} | one for name, one in found["where"]["groups"].items()))
+    rows = ({"name": name} | one for name, one in found["where"]["groups"].items())
     caption = f"Where the base model of {campaign} fails: what a torque of any form in one variable, a sensor error or a line would explain."
     notes = ("Groups overlap: shares do not add up. “At the end” is given where something remains.",)
-    link = f"discovery/{campaign}/verdict.json"
-    return Table(
-        f"Disagreement, {campaign}", caption, columns, rows, notes, (), link, "discover_verdict", (campaign,)
-    )
+    return _of_verdict(campaign, Table("Disagreement", caption, columns, cells(columns, rows), notes))

@@ -67,9 +67,7 @@ def answer(material: Material) -> Section | None:
             items.append(_quantities(rows, found))
         else:
             caption = f"Each recording of {campaign}, and all of them fitted together."
-            items.append(
-                _table(f"Quantities, {campaign}", caption, rows, (campaign,), material, searched=False)
-            )
+            items.append(_table(f"Quantities, {campaign}", caption, rows, (campaign,), searched=False))
         if found is not None and tells("map", found):
             items += drawn(material, campaign, "map", "Missing torque", CAPTIONS["map"])
     return Section("The answer", items)
@@ -77,10 +75,9 @@ def answer(material: Material) -> Section | None:
 
 def _headline(rows: pd.DataFrame, found: Mapping[str, Any] | None, material: Material, several: bool) -> Text:
     """What stops a pendulum, with the period and quality of its swing or of all of them together."""
-    settings = material.settings
-    entries = catalogue(settings.get("effects"))
-    told = headline(rows.iloc[-1].to_dict(), found, entries, settings["model"]["restoring"])
-    name = Markup("{}: ").format(rows.iloc[-1]["campaign"]) if several else ""
+    settings, row = material.settings, rows.iloc[-1].to_dict()
+    told = headline(row, found, catalogue(settings.get("effects")), settings["model"]["restoring"])
+    name = Markup("{}: ").format(row["campaign"]) if several else ""
     return Text(Markup("{}{}").format(name, numbers.in_sentence(told)), "lead")
 
 
@@ -94,15 +91,11 @@ def _verdict(found: Mapping[str, Any]) -> Iterator[Text]:
 def _sure(found: Mapping[str, Any]) -> Markup:
     """How sure a verdict is: what was held out of every fit, and what each effect gained."""
     noise = small(noise_rms(found), found.get("unit", "rad"))
-    parts = [
-        f"The held-out residual is {found['gap']['holdout'][-1]:.3g} times the noise of {noise}; a "
-        "complete model leaves 1."
-    ]
+    held = f"{found['gap']['holdout'][-1]:.3g} times the noise of {noise}"
+    parts = [f"The held-out residual is {held}; a complete model leaves 1."]
     for one in found["effects"]:
-        words = model_words(one["name"])
-        parts.append(
-            f"With {words} ΔBIC is {numbers.whole(one['delta_bic'])}; above 10 is very strong evidence."
-        )
+        words, gained = model_words(one["name"]), numbers.whole(one["delta_bic"])
+        parts.append(f"With {words} ΔBIC is {gained}; above 10 is very strong evidence.")
     place = f"discovery/{found['campaign']}/verdict.json"
     link = Markup('<a href="{0}">{0}</a>, rule discover_verdict').format(place)
     return Markup("<b>How sure.</b> {} All numbers: {}.").format(" ".join(parts), link)
@@ -156,10 +149,9 @@ def _of_model(row: Mapping[str, Any]) -> str:
     if row["model"] == NOT_DAMPED:
         return "The period of passages through a light gate: nothing but their times was recorded."
     residual, unit = residual_of(row)
-    left = (
-        f"{small(residual, unit, numbers.plain)} RMS" if math.isfinite(residual) else "a scatter told below"
-    )
-    words = damping_words(row)
+    words, left = damping_words(row), "a scatter told below"
+    if math.isfinite(residual):
+        left = f"{small(residual, unit, numbers.plain)} RMS"
     if row["model"] == NOT_DYING:
         return f"What stops it {NOT_DYING}. The period is that of the best model, and it leaves {left}."
     if row.get("model_of") == SEARCH:
@@ -171,31 +163,21 @@ def _side_by_side(table: pd.DataFrame, material: Material) -> Iterator[Item]:
     """A class of pendulums: the table, the picture, and what was not used."""
     used = table[table["verdict"] != REFUSED]
     campaigns = tuple(dict.fromkeys(used["campaign"].astype(str)))
-    counts = (
-        used.drop_duplicates("campaign")["verdict"]
-        .astype(object)
-        .fillna("")
-        .map(lambda kind: STATUS.get(kind, kind))
-        .value_counts()
-    )
+    each = used.drop_duplicates("campaign")["verdict"].astype(object).fillna("")
+    counts = each.map(lambda kind: STATUS.get(kind, kind)).value_counts()
     said = ", ".join(f"{word[:1].lower() + word[1:]}: {count}" for word, count in counts.items())
     refused = len(table) - len(used)
     left = f"; {refused} file{'s' if refused > 1 else ''} could not be used" if refused else ""
     yield Text(f"{len(campaigns)} pendulums. {capital(said)}{left}.", "lead")
     caption = "Each pendulum; a click on a column's head sorts by it, and the name leads to its files."
-    yield _table("Pendulums", caption, table, campaigns, material, searched=True)
+    yield _table("Pendulums", caption, table, campaigns, searched=True)
     if "pendulums" in material.figures:
         path, text = material.figures["pendulums"]
         yield Figure("All pendulums", path, text, "figures/pendulums.svg", "pendulums_figure", campaigns)
 
 
 def _table(
-    label: str,
-    caption: str,
-    table: pd.DataFrame,
-    campaigns: tuple[str, ...],
-    material: Material,
-    searched: bool,
+    label: str, caption: str, table: pd.DataFrame, campaigns: tuple[str, ...], searched: bool
 ) -> Table:
     columns = [
         Column("pendulum" if searched else "recording"),
@@ -222,18 +204,8 @@ def _table(
         model = str(row["model"])
         symbol = model if model in NO_MODEL else model_symbol(model)
         rows.append([*first, period, quality, decay, amplitude, frequency, symbol])
-    return Table(
-        label,
-        caption,
-        columns,
-        rows,
-        (*_NOTES, _SYMBOLS),
-        (),
-        "tables/pendulums.csv",
-        "pendulums",
-        campaigns,
-        searched,
-    )
+    told = (*_NOTES, _SYMBOLS), (), "tables/pendulums.csv", "pendulums"
+    return Table(label, caption, columns, rows, *told, campaigns, searched)
 
 
 def _sorted(text: str, value: float) -> Cell:
@@ -276,15 +248,11 @@ def evidence(material: Material) -> Section | None:
     if len(material.verdicts) > FEW:
         return Section("Evidence", [Text(_FOLDERS)])
     shown: list[Item] = [item for item in missing(material).items if not isinstance(item, Text)]
-    return Section(
-        "Evidence",
-        [item for item in shown if not (isinstance(item, Figure) and Path(item.path).stem in _SHOWN)],
-    )
+    rest = [one for one in shown if not (isinstance(one, Figure) and Path(one.path).stem in _SHOWN)]
+    return Section("Evidence", rest)
 
 
 _SHOWN = ("map", "remainder", "difference")  # with the answer
-
-
 _FOLDERS = Markup(
     "Of each pendulum the folder <code>discovery/</code> beside this page has the verdict with all its numbers, the rounds of the search, "
     "and its figures: recording and fit, missing torque, half-swings, residuals, ranking. "

@@ -21,10 +21,8 @@ def series(material: Material) -> Section | None:
         items += [Text(f"{capital(str(one))}.") for one in laws["sentence"]]
         for name in ("series", "groups"):
             if name in material.figures:
-                path, text = material.figures[name]
-                items.append(
-                    Figure(name.capitalize(), path, text, f"figures/{name}.svg", "series_figure", campaigns)
-                )
+                told = *material.figures[name], f"figures/{name}.svg", "series_figure"
+                items.append(Figure(name.capitalize(), *told, campaigns))
     if budget is not None and len(budget):
         items += _of_g(budget, campaigns)
     return Section("g and series", items) if items else None

@@ -12,11 +12,8 @@ NOT_RUN = ("simulation", "hidden_effects", "coverage", "detection", "sweeps")
 
 def settings(material: Material) -> Section:
     """The whole config, defaults filled in; of a study of one's own the parts that something of it rests on."""
-    kept, lead, after = (
-        material.settings,
-        "The complete config of this run, defaults filled in.",
-        [INFERRED_NOTE],
-    )
+    kept, lead = material.settings, "The complete config of this run, defaults filled in."
+    after = [INFERRED_NOTE]
     if material.own:
         idle = NOT_RUN if "uncertainty_budget" in material.tables else (*NOT_RUN, "calibration")
         kept = {key: value for key, value in kept.items() if key not in idle}
