@@ -242,18 +242,15 @@ def choose(
             "s, ms, us or ns",
             "convert the column, or write its unit ⟨in time_unit⟩",
         )
-    return clock, _swing(
-        clock, [one for one in columns if one is not clock], by_name, signal, place, units[1]
-    )
+    others = [one for one in columns if one is not clock]
+    return clock, _swing(clock, others, by_name, signal, place, units[1])
 
 
 def _numbered_once(columns: list[Meaning]) -> list[Meaning]:
     """The columns, ``X1`` and ``Y1`` of a single point with their axes: of several points nobody says which is the bob."""
     found = [_POINT.fullmatch(one.name) if one.kind in (LENGTH, UNTOLD) else None for one in columns]
-    if (
-        sorted(one[1].lower() for one in found if one) != ["x", "y"]
-        or len({one[2] for one in found if one}) > 1
-    ):
+    axes, points = [one[1].lower() for one in found if one], {one[2] for one in found if one}
+    if sorted(axes) != ["x", "y"] or len(points) > 1:
         return columns
     return [replace(one, axis=at[1].lower()) if at else one for one, at in zip(columns, found, strict=True)]
 
@@ -381,17 +378,12 @@ def _checked(one: Meaning, others: list[Meaning], place: str, stated: str) -> Me
     }
     if accelerates(one):
         mends[OTHER] = OF_ACCELERATIONS
-    what = _saying(one)
+    unknown = dict.fromkeys((ANGLE, VOLTAGE), " in a unit known here") | {
+        RATE: " and no rate in a unit known here"
+    }
     raise InputError(
         f"{place}, {place_of(one.name)}",
-        f"{what} is no angle"
-        + (
-            " in a unit known here"
-            if one.kind in (ANGLE, VOLTAGE)
-            else " and no rate in a unit known here"
-            if one.kind == RATE
-            else ""
-        ),
+        f"{_saying(one)} is no angle{unknown.get(one.kind, '')}",
         "an angle in rad or deg, an angular rate in rad/s or deg/s, encoder counts, volts, or positions x and y"
         + (f"; the file has {', '.join(column.name for column in others)}" if len(others) > 1 else ""),
         mends.get(one.kind, "name the column of the angle ⟨in signal_column⟩"),

@@ -70,7 +70,7 @@ def dialect(lines: Sequence[str], name: str, single: bool = False) -> Dialect | 
 def _dialect(lines: Sequence[str], name: str, single: bool) -> Dialect | None:
     arrivals = sum(bool(ARRIVAL.match(line)) for line in lines) > len(lines) / 2
     bare = [ARRIVAL.sub("", line) for line in lines] if arrivals else lines
-    alone = _alone(bare)
+    alone = [k for k, line in enumerate(bare) if NUMBER[EITHER].fullmatch(line.strip())]
     found = [_rows(bare, *one) for one in DIALECTS]
     rows, separator, decimal = max(found, key=lambda one: len(one[0]))
     text = "\n".join(bare)  # one search for each mark: most files are without groups
@@ -135,12 +135,6 @@ def _grouped(
         if len(rows) > best[0] and marked and sure:
             best = len(rows), Dialect(separator, decimal, size=len(columns), thousands=mark)
     return best
-
-
-def _alone(lines: Sequence[str]) -> list[int]:
-    """The lines that hold one number and nothing else."""
-    number = NUMBER[EITHER]
-    return [k for k, line in enumerate(lines) if number.fullmatch(line.strip())]
 
 
 def _rows(
@@ -223,9 +217,8 @@ def _header_cells(line: str, how: Dialect) -> list[str]:
     cells = _before_a_row(cells, how) or cells
     while len(cells) > how.size and how.is_number(cells[-1].rpartition("=")[2].strip()):
         cells = cells[:-1]  # what is said once beside the names, as the start and the step of a clock
-    if len(cells) == how.size or (
-        len(whole) == how.size and sum(map(tells, cells)) > 1
-    ):  # a separator ends the line
+    ended = len(whole) == how.size and sum(map(tells, cells)) > 1  # by a separator
+    if len(cells) == how.size or ended:
         return cells
     for separator in dict.fromkeys((how.separator, ",", ";", "\t", SPACES, ".")):
         # one quoted cell over all columns; spaces above rows with tabs; a decimal comma set by machine: `t.a.b` above `0,1`
@@ -286,9 +279,8 @@ def _named(
 def _with_those_above(names: list[str], above: Sequence[str]) -> list[str]:
     """The names, a column without one by what stands above it, where that says what such columns hold."""
     bare = [k for k, name in enumerate(names) if not name and k < len(above) and above[k]]
-    if sum(map(bool, above)) < 2 or not any(
-        tells(above[k]) for k in bare
-    ):  # one cell alone is a title or a setting
+    told = any(tells(above[k]) for k in bare)
+    if sum(map(bool, above)) < 2 or not told:  # one cell alone is a title or a setting
         return names
     return [above[k] if k in bare else name for k, name in enumerate(names)]
 

@@ -3,14 +3,13 @@
 import csv
 import io
 import zipfile
-import zlib
 from collections.abc import Iterator, Mapping
 from typing import Any, BinaryIO
 
 import numpy as np
 
 from ...errors import InputError
-from .elements import number
+from .elements import DAMAGED, number
 from .workbook import cells, sheet
 
 DEVICE, EVENTS = ("meta/device.csv", "Metadata Device"), ("meta/time.csv", "Metadata Time")
@@ -26,7 +25,7 @@ def told(source: BinaryIO) -> tuple[dict[str, str], tuple[str, ...]]:
     source.seek(0)
     try:
         tables = _in_archive(source) or _in_workbook(source)
-    except (InputError, OSError, ValueError, LookupError, csv.Error, zipfile.BadZipFile, zlib.error, RuntimeError, EOFError):  # fmt: skip
+    except (InputError, OSError, ValueError, LookupError, csv.Error, *DAMAGED):
         return {}, ()
     finally:
         source.seek(0)

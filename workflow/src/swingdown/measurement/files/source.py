@@ -298,6 +298,5 @@ def _check_opens(source: BinaryIO, name: str) -> None:
     finally:
         source.seek(0)
     if what:
-        raise InputError(
-            name, f"it cannot be read ({what})", "an undamaged netCDF file", "copy or convert it again"
-        )
+        problem = f"it cannot be read ({what})"
+        raise InputError(name, problem, "an undamaged netCDF file", "copy or convert it again")

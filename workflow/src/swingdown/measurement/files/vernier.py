@@ -17,12 +17,8 @@ def data_sets(source: BinaryIO, name: str) -> dict[str, Columns]:
         for one in root.iter("DataSet"):
             columns = [(column, cells) for column in one.findall("DataColumn") if (cells := _cells(column))]
             if len(columns) > 1:
-                found.append(
-                    (
-                        text_in(one, "DataSetName"),
-                        of_elements(columns, _TAGS, "columns of Logger Pro", {"source": PROGRAM}),
-                    )
-                )
+                made = of_elements(columns, _TAGS, "columns of Logger Pro", {"source": PROGRAM})
+                found.append((text_in(one, "DataSetName"), made))
     if not found:
         raise InputError(
             name,
