@@ -79,15 +79,21 @@ def guessed_in(table: Table) -> bool:
     return says_nothing(table) or ("no header" in table.layout and len(table.names) > 2)
 
 
+def _by_words(table: Table, row: Mapping[str, Any]) -> list[Meaning]:
+    """The columns of the swing by names and units alone, where the sheet's ``row`` names none; none where these allow no choice."""
+    try:
+        return choose(table.names, row["time_column"], "", "", ("", row["signal_unit"]), table.units)[1]
+    except InputError:
+        return []
+
+
 def may_be_it(table: Table, row: Mapping[str, Any]) -> list[str]:
     """The columns of which each may be the swing, as far as names and units say, where the sheet's ``row`` names none; of one alone, none."""
     if row["signal_column"] or row["time_column"] not in ("", *table.names):
         return []
     if says_nothing(table):
         return list(table.names)
-    try:
-        _, found = choose(table.names, row["time_column"], "", "", ("", row["signal_unit"]), table.units)
-    except InputError:
+    if not (found := _by_words(table, row)):
         return []
     others = table.meanings
     alike = [
@@ -148,12 +154,8 @@ def _noise(table: Table, row: Mapping[str, Any], values: Mapping[str, Floats]) -
     where a single other one swings and one of them would be taken for the swing."""
     if "no header" in table.layout or row["signal_column"] or len(values) < 3:  # a time and two more
         return []
-    try:
-        _, found = choose(table.names, row["time_column"], "", "", ("", row["signal_unit"]), table.units)
-    except InputError:
-        return []
-    first, *more = found
-    if more or first.kind not in (UNTOLD, VOLTAGE) or first.axis:
+    found = _by_words(table, row)
+    if len(found) != 1 or (first := found[0]).kind not in (UNTOLD, VOLTAGE) or first.axis:
         return []
     known = [table.meaning(name) for name in values]
     alike = [one.name for one in known if one.kind == first.kind and not one.axis]
@@ -190,11 +192,11 @@ def with_running_time(table: Table, row: Mapping[str, Any]) -> tuple[Table, Mapp
     if not named or len(known) < 2:
         return table, row, []
     table, held = first_rows(table, 0)
-    if not held:
+    if not held or len(held[-1]) < 2:
         return table, row, []
     first = held[-1]
     steps = [name for name in named if not goes_on(table.numbers(first, name))]
-    if not steps or len(first) < 2:
+    if not steps:
         return table, row, []
     others = [one.name for one in known if one.kind == TIME and one.name not in steps]
     clock = row["time_column"] or (others[0] if others else steps[0])
@@ -214,11 +216,8 @@ def with_running_time(table: Table, row: Mapping[str, Any]) -> tuple[Table, Mapp
         return rows.assign(**{clock: times})
 
     told = f"`{clock}` tells what passed since the row before: its running sum is the time"
-    return (
-        table._replace(names=names, pieces=map(summed, table.pieces)),
-        {**row, "time_column": clock},
-        [told],
-    )
+    summed_up = table._replace(names=names, pieces=map(summed, table.pieces))
+    return summed_up, {**row, "time_column": clock}, [told]
 
 
 def with_rising_time(table: Table, row: Mapping[str, Any]) -> tuple[Table, Mapping[str, Any], list[str]]:
@@ -234,11 +233,9 @@ def with_rising_time(table: Table, row: Mapping[str, Any]) -> tuple[Table, Mappi
             "write the frames or samples a second ⟨in rate_hz⟩",
         )
     table, held = first_rows(table, 0)
-    if not held:
+    if not held or len(held[-1]) < 2:  # of one row nothing rises
         return table, row, []
     first = held[-1]
-    if len(first) < 2:  # of one row nothing rises
-        return table, row, []
     values = {key: table.numbers(first, key) for key in table.names}
     one = values[table.names[0]]
     backwards = goes_on(one[::-1])  # the last row is the first
@@ -315,9 +312,8 @@ def widest(times: Floats, angles: Mapping[str, Floats], place: str) -> tuple[int
     """
     sizes = {name: float(np.std(angles[name])) for name in _swinging(dict.fromkeys(angles, times), angles)}
     most = max(sizes, key=lambda name: sizes[name], default=next(iter(angles)))
-    ask_which(
-        times, {name: angles[name] for name, size in sizes.items() if size > ASKEW * sizes[most]}, place
-    )
+    wide = {name: angles[name] for name, size in sizes.items() if size > ASKEW * sizes[most]}
+    ask_which(times, wide, place)
     told = f"of {len(angles)} angles `{most}` swings and was taken (⟨signal_column⟩ says otherwise)"
     return list(angles).index(most), [told]
 
@@ -383,13 +379,11 @@ def _check_unit(row: Mapping[str, Any], column: str, unit: str, name: str, place
             "(relative: period and decay alone), or convert it to rad or deg",
         )
     turns = unit in TO_RAD_PER_S
-    if (
-        np.nan_to_num(row.get(other := "zero_tolerance_rad" if turns else "zero_tolerance_rad_per_s", 0.0))
-        > 0
-    ):
+    own, other = ("rad_per_s", "rad") if turns else ("rad", "rad_per_s")
+    if np.nan_to_num(row.get(f"zero_tolerance_{other}", 0.0)) > 0:
         raise InputError(
-            f"{name} ({place}, column {other})",
+            f"{name} ({place}, column zero_tolerance_{other})",
             f"the signal is in {unit}",
             f"the limit of its zero in {'rad/s' if turns else 'rad'}",
-            f"write it in the column {'zero_tolerance_rad_per_s' if turns else 'zero_tolerance_rad'}",
+            f"write it in the column zero_tolerance_{own}",
         )

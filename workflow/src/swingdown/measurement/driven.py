@@ -14,7 +14,7 @@ from ..pendulum.drive import BETWEEN, FREE, KINDS, Drive, drive
 from .judge import Judged, Reading
 from .plausibility import hanging
 from .swings.quality import check_signal
-from .swings.release import Window
+from .swings.release import WHOLE
 from .swings.spikes import Spikes
 from .units import NO_SCALE, TURNS, unwrapped
 
@@ -111,7 +111,7 @@ def judge_driven(times: Floats, signal: Floats, reading: Reading, place: str) ->
         )  # fmt: skip
     zero, told = hanging(signal, reading.scale, False) if reading.scale else (0.0, [])
     nothing = Spikes(np.zeros(signal.size, dtype=bool), signal)
-    return Judged(signal, reading, nothing, [Window(np.nan, np.nan, np.nan, False)], zero, remarks + told)
+    return Judged(signal, reading, nothing, [WHOLE], zero, remarks + told)
 
 
 def as_variables(times: Floats, values: Floats, said: Stated, place: str) -> dict[str, Any]:

@@ -132,12 +132,8 @@ def interpret(table: Table, row: Mapping[str, Any], place: str, restoring: str) 
     made = signal_of(row, place, columns, times, dict(zip(names, values, strict=False)), restoring, third)
     if len(names) > 1 and len(columns.found) == 1:  # of a gyroscope's axes the one that turns most
         columns = columns._replace(found=[replace(columns.found[0], name=made.column)])
-    told_unit = columns.time_unit or {
-        1e-3: "MS (no unit is stated)",
-        1e-6: "US (no unit is stated)",
-        1e-9: "NS (no unit is stated)",
-        A_DAY: "DAYS (no unit is stated)",
-    }.get(factor, "s (no unit is stated)")
+    taken = {1e-3: "MS", 1e-6: "US", 1e-9: "NS", A_DAY: "DAYS"}.get(factor, "s")
+    told_unit = columns.time_unit or f"{taken} (no unit is stated)"
     if moved := [one for one in table.names if one not in read and moves_it(one)]:
         made = made._replace(about=made.about | {"drive_beside": ", ".join(moved)})
     return made._replace(

@@ -210,7 +210,7 @@ def check_used(times: Floats, judged: Judged, used: slice, place: str, partial: 
         )
     check_countable(times[used], healed, place)
     remarks = check_shrinks(healed, place)
-    return remarks + check_continuous(times[used], judged.signal[used], place, judged.spikes.within(used))
+    return remarks + check_continuous(times[used], judged.signal[used], judged.spikes.within(used))
 
 
 def _check_swings(signal: Floats, reading: Reading, passed: int, place: str) -> None:

@@ -25,7 +25,6 @@ from .points.points_table import turning_points
 from .second_reading import OPEN, may_be_read_again
 from .signal import RELATIVE, Interpreted
 from .slack import tolerances, with_rate
-from .swings.quality import check_signal
 from .swings.release import SeveralReleases, several_releases, within
 from .swings.spikes import Spikes, as_variable
 from .units import NO_SCALE
@@ -82,11 +81,8 @@ def ingest(
 
 
 def _ingest(row: dict[str, Any], sheet: str, restoring: str) -> xr.Dataset:
-    place = (
-        f"{sheet}, line {row['line']}, {row['recording']}"
-        if "line" in row
-        else f"{sheet}, {row['recording']}"
-    )
+    line = f"line {row['line']}, " if "line" in row else ""
+    place = f"{sheet}, {line}{row['recording']}"
     with opened(row["file"], place) as source:
         digest = check_sha256(source, row["sha256"], row["file"], place)
         table, row = with_stated_length(table_of(source, row), row, place)
@@ -122,7 +118,6 @@ def _dataset(
 ) -> xr.Dataset:
     where, said = f"{row['file']}, {place_of(found.column)} ({place})", None
     if row["role"] == "static":
-        check_signal(found.times, found.signal, where, static=True)
         judged, kept = STATIC, dict[str, float]()
         signal, reading, remarks = found.signal, found.reading, found.remarks
     elif (said := driven_so(row, found, place)) is not None:
@@ -136,11 +131,9 @@ def _dataset(
     unit = reading.unit
     unscaled = np.isnan(found.reading.scale) or (unit == NO_SCALE and not reading.stated)
     turned = {"zero_rad": judged.zero} if judged.zero else {}
-    scale = (
-        {"rad_per_unit": reading.scale}
-        if unit == NO_SCALE or (unit in ("V", "counts") and reading.scale)
-        else {}
-    )
+    scaled = unit == NO_SCALE or (unit in ("V", "counts") and reading.scale)
+    scale = {"rad_per_unit": reading.scale} if scaled else {}
+    drive = {} if said is None or found.input is None else as_variables(found.times, found.input, said, where)
     counted = "counts_per_revolution" in found.about
     stamp = table.about.get("time_standard_uncertainty_s")
     attributes = {
@@ -166,11 +159,7 @@ def _dataset(
         {
             "signal": ("time", signal, {"units": unit, "long_name": LONG_NAMES[unit]}),
             **as_variable(judged.spikes.where),
-            **(
-                {}
-                if said is None or found.input is None
-                else as_variables(found.times, found.input, said, where)
-            ),
+            **drive,
         },
         {"time": ("time", found.times, {"units": "s", "long_name": "time as recorded"})},
         attributes,

@@ -52,11 +52,8 @@ def read_sheet(path: str | Path, check_files: bool = True) -> pd.DataFrame:
     lines = _cells(found, path)
     header = lines[0] if lines else []
     _check_header(path, header)
-    rows = [
-        _row(path, number, header, cells, check_files)
-        for number, cells in enumerate(lines[1:], 2)
-        if any(cells)
-    ]
+    filled = ((number, cells) for number, cells in enumerate(lines[1:], 2) if any(cells))
+    rows = [_row(path, number, header, cells, check_files) for number, cells in filled]
     if not rows:
         raise InputError(path, "it has no row", "a row for each recording", "add the recordings")
     _check_names(path, rows)
@@ -203,12 +200,9 @@ def _row(path: object, number: int, header: list[str], cells: list[str], check_f
             "stop_s after start_s",
             "correct the window",
         )
-    if (
-        "\\" in row["file"]
-        and not find(row["file"]).is_file()
-        and find(own := row["file"].replace("\\", "/")).is_file()
-    ):
-        row["file"] = own  # as paths are written on Windows
+    own = row["file"].replace("\\", "/")  # of a path as it is written on Windows
+    if own != row["file"] and not find(row["file"]).is_file() and find(own).is_file():
+        row["file"] = own
     if check_files and not is_url(row["file"]) and not find(row["file"]).is_file():
         raise InputError(
             f"{place}, column file",

@@ -12,17 +12,7 @@ from ..errors import InputError
 from ..own_unit import UNNAMED
 from .apparent_scale import apparent_scale
 from .choice import Chosen, widest
-from .files.columns import (
-    LENGTH,
-    OF_ACCELERATIONS,
-    OTHER,
-    RATE,
-    SPEED,
-    UNTOLD,
-    Meaning,
-    accelerates,
-    place_of,
-)
+from .files.columns import LENGTH, OF_ACCELERATIONS, OTHER, RATE, SPEED, UNTOLD, accelerates, place_of
 from .gyroscope import TO_RAD_PER_S, rate_unit, turning_most
 from .judge import Reading
 from .plausibility import EVEN_SIDES, check_once, evenness
@@ -68,9 +58,7 @@ class Interpreted(NamedTuple):
     about: dict[str, Any]
     column: str
     rate: float = 0.0  # standard uncertainty of the clock's rate, as a share, that scattered stamps leave
-    read: tuple[
-        str, ...
-    ] = ()  # in words: the columns, what they are where that is no angle, the clock, the layout
+    read: tuple[str, ...] = ()  # in words: the columns, what they are if no angle, the clock, the layout
     input: Floats | None = None  # what was measured of its drive
     input_unit: str = ""  # that the file states of it
     guessed: bool = False  # neither the names nor the number of its columns say which one holds the swing
@@ -82,9 +70,7 @@ class Interpreted(NamedTuple):
         if reading.unit == NO_SCALE and reading.stated and np.isfinite(self.reading.scale):
             unit = instead or f"readings of {np.degrees(reading.scale):.4g}° each"
         if not (reading.stated or instead):
-            unit = (
-                "rad (no unit is stated)" if reading.unit == "rad" else f"{unit.upper()} (no unit is stated)"
-            )
+            unit = f"{unit if reading.unit == 'rad' else unit.upper()} (no unit is stated)"
         return ", ".join([f"took {what} as {unit}", *others])
 
 
@@ -130,22 +116,16 @@ def signal_of(
         away = lost(values[0], values[1], circle)
         signal = to_angles(values[0], values[1], circle)
         about = {f"pivot_{key}": value for key, value in circle._asdict().items()}
-        remarks = [
-            *plane,
-            _pivot(circle, first.written),
-            *_told_lost(away, circle, signal, first.written, both),
-        ]
-        return Interpreted(
-            times[~away],
-            signal[~away],
-            Reading("rad", True, 1.0, restoring, True),
-            remarks,
-            about,
-            first.name,
-        )
+        left_out = _told_lost(away, circle, signal, first.written, both)
+        remarks = [*plane, _pivot(circle, first.written), *left_out]
+        reading = Reading("rad", True, 1.0, restoring, True)
+        return Interpreted(times[~away], signal[~away], reading, remarks, about, first.name)
     if not columns.unit and (first.kind in (LENGTH, SPEED) or (first.axis and not columns.clock.axis)):
         return _coordinate(row, where, columns, times, values[0], restoring)
-    taken, told = _most(first, times, read, f"{file} ({place})")
+    if first.kind == RATE or len(read) == 1:
+        taken, told = turning_most(names, values)
+    else:
+        taken, told = widest(times, read, f"{file} ({place})")
     about = {"counts_per_revolution": row["counts_per_revolution"]} if columns.unit == "counts" else {}
     if first.kind == UNTOLD and not columns.unit and not row.get("scale"):
         check_once(values[taken], where)
@@ -156,13 +136,6 @@ def signal_of(
     if restoring == "linear" and (first.kind not in (OTHER, SPEED, RATE) or accelerates(first)):
         reading = replace(reading, own=_NAMES.get(columns.unit) or first.written or UNNAMED)
     return Interpreted(times, values[taken], reading, told, about, names[taken])
-
-
-def _most(first: Meaning, times: Floats, read: Mapping[str, Floats], place: str) -> tuple[int, list[str]]:
-    """Which of the columns that hold the same about several axes is the swing, by its place, and remarks on that."""
-    if first.kind == RATE or len(read) == 1:
-        return turning_most(list(read), list(read.values()))
-    return widest(times, read, place)
 
 
 def _reading(

@@ -60,13 +60,10 @@ def zero_is_fitted(recording: xr.Dataset) -> bool:
 
 def with_rate(known: Mapping[str, float], rate: float) -> dict[str, float]:
     """The tolerances with the clock's widened by the standard uncertainty of its ``rate`` (a share) that the stamps leave."""
-    if rate:
-        return {
-            **known,
-            "clock_tolerance": float(np.hypot(known["clock_tolerance"], sqrt(3) * rate)),
-            "clock_rate": rate,
-        }
-    return dict(known)
+    if not rate:
+        return dict(known)
+    wider = float(np.hypot(known["clock_tolerance"], sqrt(3) * rate))
+    return {**known, "clock_tolerance": wider, "clock_rate": rate}
 
 
 def of_tolerances(recording: xr.Dataset) -> Slack:
@@ -79,9 +76,8 @@ def of_tolerances(recording: xr.Dataset) -> Slack:
     }
     clock = known["clock_tolerance"] / sqrt(3)
     rate = float(recording.attrs.get("clock_rate", 0.0))  # of scattered stamps: nothing limits it
-    return replace(
-        reading_slack(values, clock), limited=sqrt(max(0.0, 1 - (rate / clock) ** 2)) if rate else 1.0
-    )
+    limited = sqrt(max(0.0, 1 - (rate / clock) ** 2)) if rate else 1.0
+    return replace(reading_slack(values, clock), limited=limited)
 
 
 def of_calibration(calibration: xr.Dataset, stated: Slack) -> Slack:

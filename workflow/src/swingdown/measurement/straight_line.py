@@ -25,7 +25,7 @@ class Line:
         In the units of x and y.
     covariance
         Of (intercept, slope), of shape (2, 2), by York et al. (2004): at the adjusted points, not scaled by chi2 / dof.
-    chi2, dof, iterations
+    chi2, dof
         Of the fit.
     adjusted
         Abscissae of the adjusted points, of shape (point,).
@@ -38,7 +38,6 @@ class Line:
     covariance: np.ndarray
     chi2: float
     dof: int
-    iterations: int
     adjusted: np.ndarray
     residuals: np.ndarray
 
@@ -50,9 +49,8 @@ class Line:
     def predict(self, x: ArrayLike, u_x: ArrayLike = 0.0) -> tuple[Floats, Floats]:
         """y at ``x`` (scalar or array) and its standard uncertainty, ``u_x`` being independent of the line."""
         x = np.asarray(x, dtype=float)
-        return self.intercept + self.slope * x, np.sqrt(
-            self._variance(x) + (self.slope * np.asarray(u_x)) ** 2
-        )
+        variance = self._variance(x) + (self.slope * np.asarray(u_x)) ** 2
+        return self.intercept + self.slope * x, np.sqrt(variance)
 
     def inverse(self, y: ArrayLike, u_y: ArrayLike = 0.0) -> tuple[Floats, Floats]:
         """x where the line takes the value ``y``, and its standard uncertainty (ISO/TS 28037, inverse
@@ -102,7 +100,7 @@ def fit_line(x: ArrayLike, y: ArrayLike, sd_x: ArrayLike, sd_y: ArrayLike) -> Li
         slope = float(np.sum(weight * beta * v) / np.sum(weight * beta * u))
         return slope, weight, float(mean_x), float(mean_y), beta
 
-    slope, iterations = _iterate(lambda b: step(b)[0], np.polyfit(x, y, 1)[0])
+    slope = _settled(lambda b: step(b)[0], np.polyfit(x, y, 1)[0])
     _, weight, mean_x, mean_y, beta = step(slope)
     intercept = mean_y - slope * mean_x
     adjusted = mean_x + beta
@@ -112,7 +110,7 @@ def fit_line(x: ArrayLike, y: ArrayLike, sd_x: ArrayLike, sd_y: ArrayLike) -> Li
     covariance = np.array([[1 / weight.sum() + centre**2 * slope_variance, cross], [cross, slope_variance]])
     residuals = y - intercept - slope * x
     chi2 = float(np.sum(weight * residuals**2))
-    return Line(float(intercept), float(slope), covariance, chi2, len(x) - 2, iterations, adjusted, residuals)
+    return Line(float(intercept), float(slope), covariance, chi2, len(x) - 2, adjusted, residuals)
 
 
 def fit_line_correlated(x: ArrayLike, y: ArrayLike, covariance_x: ArrayLike, covariance_y: ArrayLike) -> Line:
@@ -149,14 +147,14 @@ def fit_line_correlated(x: ArrayLike, y: ArrayLike, covariance_x: ArrayLike, cov
     def solve(slope: float) -> tuple[Floats, Floats, Floats]:
         return solve_lines(x, y, covariance_x, weights(slope), slope)
 
-    start, iterations = _iterate(lambda b: float(solve(b)[1]), float(np.polyfit(x, y, 1)[0]))
+    start = _settled(lambda b: float(solve(b)[1]), float(np.polyfit(x, y, 1)[0]))
     intercept, slope, adjusted = solve(start)
     weight = weights(float(slope))
     design = np.column_stack([np.ones_like(x), adjusted])
     covariance = np.linalg.inv(design.T @ weight @ design)
     residuals = y - intercept - slope * x
     chi2 = float(residuals @ weight @ residuals)
-    return Line(float(intercept), float(slope), covariance, chi2, len(x) - 2, iterations, adjusted, residuals)
+    return Line(float(intercept), float(slope), covariance, chi2, len(x) - 2, adjusted, residuals)
 
 
 def solve_lines(
@@ -207,16 +205,16 @@ def _checked(x: ArrayLike, y: ArrayLike) -> tuple[Floats, Floats]:
     return x, y
 
 
-def _iterate(update: Callable[[float], float], slope: float) -> tuple[float, int]:
-    for iteration in range(1, _ITERATIONS + 1):
+def _settled(update: Callable[[float], float], slope: float) -> float:
+    for _ in range(_ITERATIONS):
         last, slope = slope, float(update(slope))
         if not np.isfinite(slope):
             break
         if abs(slope - last) <= 4 * np.finfo(float).eps * abs(slope):
-            return slope, iteration
+            return slope
     # rounding keeps it from settling further
     if np.isfinite(slope) and abs(slope - last) <= 1e-12 * abs(slope):
-        return slope, _ITERATIONS
+        return slope
     raise InputError(
         "line",
         "no line fits these points: the slope does not settle",

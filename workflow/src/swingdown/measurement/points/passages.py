@@ -20,7 +20,7 @@ from ..files.columns import COUNTS, TIME, UNTOLD, VOLTAGE, Meaning, place_of
 from ..files.source import Table
 from ..sheet import TIME_UNITS
 from .points_recording import PASSED, about_file, as_recording
-from .points_table import is_number, peeked
+from .points_table import in_window, is_number, peeked
 from .swing_counts import FEWEST, counts
 from .turning_points import FASTEST, PASSAGES, PERIODS, Points, falls, too_few, unequal_sides
 
@@ -80,7 +80,7 @@ def passages(table: Table, row: Mapping[str, Any], place: str) -> tuple[Table, x
                 "leave ⟨signal_kind⟩ empty, or export the times",
             )  # fmt: skip
         return table, None
-    inside = ~(gate.times < row.get("start_s", np.nan)) & ~(gate.times > row.get("stop_s", np.nan))
+    inside = in_window(gate.times, row)
     gate = gate._replace(times=gate.times[inside], speeds=gate.speeds[inside])
     points, kind = counted(gate, stated, f"{row['file']} ({place})")
     words = "each half-swing" if kind == PASSAGES else "one a period"
@@ -96,15 +96,12 @@ def ask_periods(table: Table, row: Mapping[str, Any], place: str) -> Table:
     if rows is None or rows.empty:
         return table
     values = {one: _sound(table.numbers(rows, one.name)) for one in table.meanings}
-    rest = [one for one, own in values.items() if not is_number(one, own, table)]
+    rest = [one for one, own in values.items() if not is_number(one, own)]
     each = [values[one] for one in rest]
     if not rest or any(one.kind != UNTOLD for one in rest) or not all(map(_like_periods, each)):
         return table
-    several = (
-        f"of {place_of(', '.join(one.name for one in rest))} name one ⟨in signal_column⟩ and "
-        if len(rest) > 1
-        else ""
-    )
+    names = place_of(", ".join(one.name for one in rest))
+    several = f"of {names} name one ⟨in signal_column⟩ and " if len(rest) > 1 else ""
     raise InputError(
         f"{row['file']}, {place_of(rest[0].name)} ({place})", f"{each[0].size} numbers, nearly all about {np.median(each[0]):.4g}: are they periods of a pendulum, or readings?",
         "periods, the times between passages, or readings with their rate",
@@ -180,12 +177,10 @@ def _gate(rows: pd.DataFrame, table: Table, row: Mapping[str, Any]) -> Gate | No
     values = {one.name: table.numbers(rows, one.name) for one in columns}
     filled = {one.name: np.count_nonzero(np.isfinite(values[one.name])) for one in columns}
     columns = [one for one in columns if filled[one.name] > _BARE * max(filled.values())]
-    number = [one for one in columns if is_number(one, _sound(values[one.name]), table)]
+    number = [one for one in columns if is_number(one, _sound(values[one.name]))]
     rest = [one for one in columns if one not in number]
-    if row["time_column"]:
-        rest.sort(key=lambda one: one.name != row["time_column"])
-    else:
-        rest.sort(key=lambda one: one.kind != TIME)
+    clock = row["time_column"]
+    rest.sort(key=lambda one: one.name != clock if clock else one.kind != TIME)
     if not rest:
         return None
     states = [one for one in rest[1:] if _GATE.search(_label(one)) and _are_states(values[one.name])]
@@ -284,14 +279,12 @@ def _alone(one: Meaning, values: Floats, row: Mapping[str, Any]) -> Gate | None:
             break
     else:
         return None
-    unknown = np.full(values.size + (steps is values), np.nan)
-    if steps is not values:
-        return Gate(
-            scale * values, unknown, "", "", f"took `{one.name}` as times of passages, in {unit}", told
-        )
-    kind = PASSAGES if _HALF.search(name) else PERIODS if _ONE_PERIOD.search(name) else ""
-    times = scale * np.concatenate([[0.0], np.cumsum(values)])
-    return Gate(times, unknown, "", kind, f"took `{one.name}` as intervals between passages, in {unit}", told)
+    times, kind, what = values, "", "times of passages"
+    if steps is values:
+        times, what = np.concatenate([[0.0], np.cumsum(values)]), "intervals between passages"
+        kind = PASSAGES if _HALF.search(name) else PERIODS if _ONE_PERIOD.search(name) else ""
+    taken = f"took `{one.name}` as {what}, in {unit}"
+    return Gate(scale * times, np.full(times.size, np.nan), "", kind, taken, told)
 
 
 def _with_speeds(
@@ -307,11 +300,9 @@ def _with_speeds(
     # of passages each goes the other way, or none is said to; samples of a speed turn now and then
     if not dark and (0 < turns < _TURNS or not falls(read)):
         return None
-    speeds, words = (
-        (1 / (read * TIME_UNITS[beside.unit or "s"]), _WIDTHS)
-        if dark
-        else (read, beside.written or "as written")
-    )
+    speeds, words = read, beside.written or "as written"
+    if dark:
+        speeds, words = 1 / (read * TIME_UNITS[beside.unit or "s"]), _WIDTHS
     what = f"`{beside.name}` as {'the time that the gate was dark' if dark else 'speeds'}"
     taken = f"took `{clock.name}` as times of passages, in {unit}, {what}"
     return _dying(Gate(scale * times, speeds, words, "", taken, told))
@@ -402,9 +393,7 @@ def _seconds(clock: Meaning, step: float, row: Mapping[str, Any]) -> tuple[float
     if unit:
         return TIME_UNITS[unit], unit, []
     taken = next((one for one in TIME_UNITS if step * TIME_UNITS[one] < _SLOWEST), "us")
-    told = (
-        ["no unit of time is stated, and no pendulum takes so many s: taken for " + taken]
-        if taken != "s"
-        else []
-    )
-    return TIME_UNITS[taken], taken if told else "s (no unit is stated)", told
+    if taken == "s":
+        return 1.0, "s (no unit is stated)", []
+    told = "no unit of time is stated, and no pendulum takes so many s: taken for " + taken
+    return TIME_UNITS[taken], taken, [told]

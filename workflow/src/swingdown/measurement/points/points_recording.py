@@ -16,20 +16,9 @@ from .turning_points import BOTH_SIDES, ONE_SIDE, Points
 
 POINTS_ALONE = "points alone"  # the code of the refusal to search points of the motion
 NOT_IN_IT = "points of the motion only: what a torque does between them is not in the data"
-_CARRIED = [
-    "recording",
-    "campaign",
-    "role",
-    "file",
-    "sha256",
-    "source",
-    "label",
-    "emulated",
-    "points",
-    "kind",
-    "remarks",
-    "taken",
-]  # to its angles
+_CARRIED = (  # to its angles
+    "recording", "campaign", "role", "file", "sha256", "source", "label", "emulated", "points", "kind", "remarks", "taken",
+)  # fmt: skip
 READ, COUNTED, PASSED = "turning points", "turning points without times", "passages without speeds"
 
 

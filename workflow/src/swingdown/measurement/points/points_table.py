@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from ...arrays import Floats
+from ...arrays import Bools, Floats
 from ...errors import InputError
 from ..files.columns import ANGLE, LENGTH, OF_AN_ERROR, TIME, UNNAMED, UNTOLD, Meaning, choose, place_of
 from ..files.source import Table
@@ -54,25 +54,19 @@ def turning_points(table: Table, row: Mapping[str, Any], place: str) -> tuple[Ta
     values = {one: table.numbers(first, one) for one in (columns.clock.name, columns.signal.name)}
     clock, signal = values.values()
     scale = TIME_UNITS[row["time_unit"] or columns.clock.unit or "s"]
-    sound = np.isfinite(clock) & np.isfinite(signal) & _inside(clock * scale, row)
-    counted = is_number(columns.clock, clock[sound], table)
+    sound = np.isfinite(clock) & np.isfinite(signal) & in_window(clock * scale, row)
+    counted = is_number(columns.clock, clock[sound])
     where = f"{row['file']}, {place_of(columns.signal.name)} ({place})"
     unit, told = _unit(signal[sound], columns, row)
     in_rad = {"rad": 1.0, "deg": pi / 180}.get(unit, 0.0)
-    points = points_in(
-        clock[sound] * (1.0 if counted else scale),
-        signal[sound],
-        where,
-        stated,
-        counted,
-        columns.signal.name,
-        in_rad,
-    )
+    times = clock[sound] * (1.0 if counted else scale)
+    points = points_in(times, signal[sound], where, stated, counted, columns.signal.name, in_rad)
     if points is None:
         return table, None
-    stated_u = [_typical(first, name, table.decimal) for name in (columns.u_clock, columns.u_signal)]
+    u_clock, u_signal = (_typical(first, name, table.decimal) for name in (columns.u_clock, columns.u_signal))
     points = points._replace(remarks=[*told, *points.remarks])
-    return table, _dataset(points, columns, row, table, unit, (stated_u[0] * scale, stated_u[1]))
+    about = about_file(table, row, _taken(points, columns, row, table, unit))
+    return table, as_recording(points, unit, about, row, (u_clock * scale, u_signal))
 
 
 def peeked(table: Table, row: Mapping[str, Any]) -> tuple[pd.DataFrame | None, Table]:
@@ -127,12 +121,13 @@ def _columns(table: Table, row: Mapping[str, Any]) -> Columns | None:
     return Columns(clock, signal, *["", "", *errors[:2]][-2:])
 
 
-def _inside(times: Floats, row: Mapping[str, Any]) -> np.ndarray:
+def in_window(times: Floats, row: Mapping[str, Any]) -> Bools:
+    """True for the times (s) within the window of the ``row``, and for what is no number."""
     start, stop = (float(row.get(key, np.nan)) for key in ("start_s", "stop_s"))
     return ~(times < start) & ~(times > stop)
 
 
-def is_number(clock: Meaning, values: Floats, table: Table) -> bool:
+def is_number(clock: Meaning, values: Floats) -> bool:
     """True for a column that counts the swings: it is called so, or has no name, and holds whole numbers one apart."""
     if not np.all(values == np.round(values)):
         return False
@@ -149,27 +144,14 @@ def _typical(rows: pd.DataFrame, name: str, decimal: str) -> float:
     return middle if middle > 0 else float("nan")
 
 
-def _dataset(
-    points: Points,
-    columns: Columns,
-    row: Mapping[str, Any],
-    table: Table,
-    unit: str,
-    stated_u: tuple[float, float],
-) -> xr.Dataset:
-    """The dataset of a file's turning points, with how they were read."""
+def _taken(points: Points, columns: Columns, row: Mapping[str, Any], table: Table, unit: str) -> str:
+    """How a file's turning points were read."""
     seconds = row["time_unit"] or columns.clock.unit or "s (no unit is stated)"
     clock = f"`{columns.clock.name}` as {seconds if points.timed else 'the number of the swing'}"
     words = {"rad": "rad", "deg": "degrees"}.get(unit, unit)
     said = words if columns.signal.written or row["signal_unit"] else f"{words} (no unit is stated)"
-    parts = [
-        f"took `{columns.signal.name}` as turning points",
-        points.each,
-        f"in {said}",
-        clock,
-        *([table.layout] if table.layout else []),
-    ]
-    return as_recording(points, unit, about_file(table, row, ", ".join(parts)), row, stated_u)
+    taken = f"took `{columns.signal.name}` as turning points, {points.each}, in {said}, {clock}"
+    return f"{taken}, {table.layout}" if table.layout else taken
 
 
 def _unit(readings: Floats, columns: Columns, row: Mapping[str, Any]) -> tuple[str, list[str]]:

@@ -285,9 +285,8 @@ def _countings(times: Floats, usual: float) -> list[NDArray[np.integer]]:
             if (np.diff(slots) < 1).any():
                 break
             even = _line(times, slots)
-            slots = np.round((times - even[0]) * (slots[-1] - slots[0]) / (even[-1] - even[0])).astype(
-                np.int64
-            )
+            passed = (times - even[0]) * (slots[-1] - slots[0]) / (even[-1] - even[0])
+            slots = np.round(passed).astype(np.int64)
         else:
             if (np.diff(slots) > 0).all():
                 found.append(slots)

@@ -91,9 +91,6 @@ def _period(halves: Floats) -> tuple[float, float] | None:
     if halves.size < 2:
         return None
     whole = halves[1:] + halves[:-1]
-    spread = (
-        1.4826 * float(np.median(np.abs(whole - np.median(whole))))
-        if whole.size > 2
-        else float(np.ptp(halves))
-    )
-    return float(np.median(whole)), spread / np.sqrt(whole.size)
+    usual = float(np.median(whole))
+    spread = 1.4826 * float(np.median(np.abs(whole - usual))) if whole.size > 2 else float(np.ptp(halves))
+    return usual, spread / np.sqrt(whole.size)

@@ -25,7 +25,7 @@ HELD = 0.3  # of a period: at a turning point it is that slow for a hundredth
 
 
 class Stretch(NamedTuple):
-    """From when to when (s) a hand is at the pendulum, about."""
+    """From when to when (s) a hand is at the pendulum, about; or of what is between two hands, nan where there is none."""
 
     start: float
     stop: float
@@ -83,11 +83,8 @@ def held_still(times: Floats, rate: Floats) -> list[Stretch]:
     found = []
     for a, b in runs(still):
         before, after = np.abs(rate[max(0, a - usual) : a]), np.abs(rate[b:])
-        if (
-            b < len(rate)
-            and times[b] - times[a] > HELD * period
-            and after.max() > HIGHER * before.max(initial=0.0)
-        ):
+        held = b < len(rate) and times[b] - times[a] > HELD * period
+        if held and after.max() > HIGHER * before.max(initial=0.0):
             found.append(Stretch(float(times[a]), float(times[b])))
     return found
 

@@ -136,9 +136,8 @@ def scatter(times: Floats, signal: Floats, window: int, order: int) -> Floats:
     chosen = np.linspace(0, count - 1, min(count, _WINDOWS)).astype(int)
     own, when = (np.asarray(one)[: count * window].reshape(count, window)[chosen] for one in (signal, times))
     when = when - when.mean(axis=1, keepdims=True)
-    basis = np.linalg.qr((when / np.abs(when).max(axis=1, keepdims=True))[..., None] ** np.arange(order + 1))[
-        0
-    ]
+    when = when / np.abs(when).max(axis=1, keepdims=True)
+    basis = np.linalg.qr(when[..., None] ** np.arange(order + 1))[0]
     left = own - np.einsum("mij,mkj,mk->mi", basis, basis, own, optimize=True)
     return np.sum(left**2, axis=1) / (window - order - 1)
 

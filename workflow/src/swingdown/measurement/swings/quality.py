@@ -13,15 +13,8 @@ STEPS = 8  # quantisation steps below it that are compared with it
 CLEAR = 16  # quantisation steps that a stretch beside it falls by, in which rounding is little
 
 
-def check_signal(
-    times: Floats, signal: Floats, place: str, static: bool = False, computed: bool = False
-) -> None:
-    """None if the signal moves and is not cut off at a rail; InputError otherwise.
-
-    A static record may be constant: a quantised sensor at rest is. A swing may end at rest. What is ``computed`` has no rail.
-    """
-    if static:
-        return
+def check_signal(times: Floats, signal: Floats, place: str, computed: bool = False) -> None:
+    """None if the signal moves and is not cut off at a rail; InputError otherwise. What is ``computed`` has no rail."""
     if np.ptp(signal) == 0:
         raise InputError(
             place,
