@@ -92,12 +92,9 @@ def _library():
         raise _error(
             "LabJack's Python package is not here", "pip install labjack-ljm (and LabJack's LJM library)"
         ) from error
-    except (
-        Exception
-    ) as error:  # the package is there and finds no library: it raises its own error at the first call
-        raise _error(
-            f"LabJack's LJM library cannot be used ({error})", "install LJM from LabJack's site"
-        ) from error
+    except Exception as error:  # the package is there and finds no library: it is told at the first call
+        problem = f"LabJack's LJM library cannot be used ({error})"
+        raise _error(problem, "install LJM from LabJack's site") from error
     return ljm
 
 

@@ -38,12 +38,9 @@ def run(jobs, guide, views=(), stop=None, leave=None, say=print):
     wanted = [job for job in jobs if not job.path.exists()]
     unfinished = [job for job in wanted if job.journal.exists()]
     if not wanted:
-        raise InputError(
-            "config, key recording",
-            f"all {len(jobs)} recordings are there already, and no recording is ever overwritten",
-            "a recording that is not there yet",
-            "choose other names",
-        )
+        problem = f"all {len(jobs)} recordings are there already, and no recording is ever overwritten"
+        expected = "a recording that is not there yet"
+        raise InputError("config, key recording", problem, expected, "choose other names")
     for job in jobs:
         if job not in wanted:
             say(f"{job.name}: there already, and left as it is")
@@ -116,10 +113,7 @@ def _told(wanted, done, failed, gone):
     if left:
         sentence += f"; not yet: {', '.join(left)} (the same command goes on with them)"
     if failed or gone:
-        raise InputError(
-            "config, key recording",
-            f"{sentence}; not whole, or not at all: {', '.join(failed) or 'the port went away'}",
-            "recordings that are whole",
-            "what the lines above say; whole recordings stay",
-        )
+        problem = f"{sentence}; not whole, or not at all: {', '.join(failed) or 'the port went away'}"
+        mend = "what the lines above say; whole recordings stay"
+        raise InputError("config, key recording", problem, "recordings that are whole", mend)
     return sentence

@@ -15,6 +15,7 @@ import urllib.error
 import urllib.parse
 import urllib.request
 from collections.abc import Mapping, Sequence
+from operator import itemgetter
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -203,10 +204,10 @@ class _Remote:
     def marks(self) -> list[_Mark]:
         """The starts and pauses of its experiment, since it was cleared."""
         found = self.asked("time")
+        keys = ("event", "experimentTime", "systemTime")
         try:
             return [
-                _Mark(str(one["event"]), float(one["experimentTime"]), float(one["systemTime"]))
-                for one in found
+                _Mark(str(event), float(at), float(when)) for event, at, when in map(itemgetter(*keys), found)
             ]
         except (TypeError, KeyError, ValueError) as problem:
             raise _Mute("an answer without starts and pauses") from problem
