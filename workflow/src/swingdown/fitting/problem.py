@@ -167,9 +167,8 @@ class Problem:
             self.upper[natural] = 2 * np.pi / _FEWEST_A_SWING * max(_rate(times) for times, _ in self.swings)
         values = [self.fixed.get(name, 0.0) for name in model.parameters]
         rate = model.reading == RATE
-        self.given = np.array(
-            [[*values, 0.0 if rate else angle[0], 0.0] for _, angle in self.swings], dtype=float
-        )
+        firsts = [0.0 if rate else angle[0] for _, angle in self.swings]
+        self.given = np.array([[*values, first, 0.0] for first in firsts], dtype=float)
         self.n = sum(sizes)
         if self.n <= len(self.free):
             raise InputError(
@@ -193,10 +192,7 @@ class Problem:
                 "what the measurement leaves open is not weighed against any noise",
                 "a slack with its noise (Slack.weighed), or fitting.slack.allowing",
             )
-        precision = np.zeros((len(self.free), len(self.free)))
-        at = [self.free.index(name) for name in slack.parameters]
-        precision[np.ix_(at, at)] = slack.precision
-        return interface.Knowledge(np.zeros(len(self.free)), precision)
+        return interface.Knowledge(np.zeros(len(self.free)), slack.precision_among(self.free))
 
     def _point_at_swings(self) -> None:
         models = [compiled.c for compiled in self.compiled]
@@ -264,10 +260,7 @@ class Problem:
         loss = {name: _mean([share[name] for share in shares]) for name in shares[0]}
         frequency = {NATURAL_FREQUENCY.name: _mean([g.natural_frequency for g in found])}
         split = frequency | {name: value / max(1, len(loss)) for name, value in loss.items()}
-        alone = [
-            frequency | {name: value if name == only else 0.0 for name, value in loss.items()}
-            for only in loss
-        ]
+        alone = [frequency | dict.fromkeys(loss, 0.0) | {only: value} for only, value in loss.items()]
         starts = [split, *(alone if len(loss) > 1 else [])]
         from_data = [self.variables(values, releases) for values in starts]
         return np.array([*(self._from_guess(one, releases) for one in known), *from_data]), len(starts)

@@ -6,6 +6,7 @@ from math import inf
 from typing import Any
 
 from ..errors import InputError
+from . import formula
 from .effect import VARIABLES, Effect, Parameter
 
 _NAME = re.compile(r"[a-z][a-z0-9_]*")
@@ -66,8 +67,6 @@ def _parameter(effect: str, symbol: str, entry: Mapping[str, Any], where: str) -
 
 
 def _check_formula(effect: Effect, where: str) -> None:
-    from . import formula
-
     torque = effect.expressions().motion["torque"]
     if not effect.parameters:
         raise InputError(f"{where}.parameters", "it has no parameter", "at least one, such as its size")
