@@ -1,6 +1,4 @@
-"""From a recording to angles in radians, with the random and the systematic part of their uncertainty kept
-apart.
-"""
+"""From a recording to angles in radians, with the random and the systematic part of their uncertainty kept apart."""
 
 from math import pi, sqrt
 from typing import Any
@@ -121,9 +119,7 @@ def to_angle(recording: xr.Dataset, calibration: xr.Dataset | None = None, mode:
 def _from_volts(
     recording: xr.Dataset, calibration: xr.Dataset | None, mode: str
 ) -> tuple[Floats, Floats, Floats, Floats, dict[str, Any]]:
-    """Eq. 11 in absolute form: angle = m (V - V0), u^2 = (V - V0)^2 u_m^2 + m^2 (u_V^2 + u_V0^2) + the
-    covariance.
-    """
+    """Eq. 11 in absolute form: angle = m (V - V0), u^2 = (V - V0)^2 u_m^2 + m^2 (u_V^2 + u_V0^2) + the covariance."""
     name, campaign = recording.attrs["recording"], recording.attrs["campaign"]
     if calibration is None:
         raise InputError(
@@ -166,13 +162,8 @@ def _from_volts(
         bound = np.interp(volts, calibration["grid"].values, half.values) * np.hypot(random, systematic)
     else:
         bound = factor * np.hypot(random, systematic)
-    return (
-        slope * away,
-        random,
-        systematic,
-        bound,
-        {"mode": mode, "coverage_factor": factor, "systematic": what},
-    )
+    notes = {"mode": mode, "coverage_factor": factor, "systematic": what}
+    return slope * away, random, systematic, bound, notes
 
 
 def _noise(times: Floats, values: Floats, healed: Even) -> Noise:
@@ -197,11 +188,7 @@ def _from_angle(recording: xr.Dataset, unit: str, healed: Even) -> tuple[Floats,
         colour = {"noise_correlation": noise.correlation} if noise.correlation else {}
     if recording.attrs.get("scale") == "unknown":
         mode = UNSCALED
-    notes: dict[str, Any] = {
-        "mode": mode,
-        "coverage_factor": factor,
-        "systematic": "not known: no calibration; set to 0",
-        **colour,
-    }
+    notes: dict[str, Any] = {"mode": mode, "coverage_factor": factor}
+    notes |= {"systematic": "not known: no calibration; set to 0", **colour}
     hangs = recording.attrs.get("zero_rad", 0.0)
     return scale * values - hangs, np.full(len(values), scale * u), notes

@@ -23,6 +23,7 @@ from .points.passages import ask_periods, passages
 from .points.points_recording import about_file
 from .points.points_table import turning_points
 from .second_reading import OPEN, may_be_read_again
+from .sheet import Row
 from .signal import RELATIVE, Interpreted
 from .slack import tolerances, with_rate
 from .swings.release import SeveralReleases, several_releases, within
@@ -43,10 +44,7 @@ STATIC = Judged(np.empty(0), Reading("rad", False), Spikes(np.empty(0, dtype=boo
 
 
 def ingest(
-    row: Mapping[str, Any] | pd.Series,
-    sheet: str = "sample sheet",
-    restoring: str = "sine",
-    calibrated: bool = True,
+    row: Row | pd.Series, sheet: str = "sample sheet", restoring: str = "sine", calibrated: bool = True
 ) -> xr.Dataset:
     """The dataset of one recording: ``signal(time)`` as recorded, ``time`` in s, provenance.
 
@@ -113,9 +111,7 @@ def _ingest(row: dict[str, Any], sheet: str, restoring: str) -> xr.Dataset:
             ) from None
 
 
-def _dataset(
-    row: Mapping[str, Any], table: Table, found: Interpreted, about: dict[str, Any], place: str
-) -> xr.Dataset:
+def _dataset(row: Row, table: Table, found: Interpreted, about: dict[str, Any], place: str) -> xr.Dataset:
     where, said = f"{row['file']}, {place_of(found.column)} ({place})", None
     if row["role"] == "static":
         judged, kept = STATIC, dict[str, float]()
@@ -135,6 +131,8 @@ def _dataset(
     scale = {"rad_per_unit": reading.scale} if scaled else {}
     drive = {} if said is None or found.input is None else as_variables(found.times, found.input, said, where)
     counted = "counts_per_revolution" in found.about
+    # the cells that are usual for such a file where the sheet has none
+    usual = {key: value for key, value in table.usual.items() if np.isnan(row.get(key, np.nan))}
     stamp = table.about.get("time_standard_uncertainty_s")
     attributes = {
         **about_file(table, row, found.taken(reading)),
@@ -144,8 +142,7 @@ def _dataset(
         "unit_told": reading.told,
         "unit_stated": "yes" if reading.stated else "no",
         **with_rate(
-            tolerances(_with_usual(row, table), unit, upright=not ("pivot_x" in found.about or turned)),
-            found.rate,
+            tolerances({**row, **usual}, unit, upright=not ("pivot_x" in found.about or turned)), found.rate
         ),
         **({"remarks": as_told("; ".join(remarks))} if remarks else {}),
         **({"time_standard_uncertainty_s": float(stamp)} if stamp is not None else {}),
@@ -166,7 +163,7 @@ def _dataset(
     )
 
 
-def driven_so(row: Mapping[str, Any], found: Interpreted, place: str) -> Stated | None:
+def driven_so(row: Row, found: Interpreted, place: str) -> Stated | None:
     """What is stated of a recording's input, by the sheet or else by the file; None of a free swing."""
     if found.input is None:
         return None
@@ -177,13 +174,8 @@ def driven_so(row: Mapping[str, Any], found: Interpreted, place: str) -> Stated 
     return stated({**row, "input_unit": found.input_unit}, place) if usable else said
 
 
-def _with_usual(row: Mapping[str, Any], table: Table) -> dict[str, Any]:
-    """The row with the cells that are usual for such a file where it has none."""
-    return {**row, **{key: value for key, value in table.usual.items() if np.isnan(row.get(key, np.nan))}}
-
-
 def _by_itself(
-    found: Interpreted, judged: Judged, row: Mapping[str, Any], place: str
+    found: Interpreted, judged: Judged, row: Row, place: str
 ) -> tuple[dict[str, float], list[str]]:
     """The attributes that keep the part in which the pendulum swings by itself, and remarks on it.
 
@@ -208,24 +200,16 @@ def read_recording(path: str | Path) -> xr.Dataset:
     recording = dataset.read(path)
     expected, found = recording.attrs.get("expected_samples"), recording.sizes.get("time", 0)
     if expected != found:
-        raise InputError(
-            path,
-            f"{found} samples",
-            f"{expected}, as counted when it was written",
-            "delete it and ingest it again",
-        )
+        mend = "delete it and ingest it again"
+        raise InputError(path, f"{found} samples", f"{expected}, as counted when it was written", mend)
     return recording
 
 
-def _check_whole(about: Mapping[str, Any], row: Mapping[str, Any], name: str, place: str) -> bool:
+def _check_whole(about: Mapping[str, Any], row: Row, name: str, place: str) -> bool:
     """True for a recording that says it is partial and that the sheet allows; InputError if it does not."""
     if about.get("captured") == "yes" and about.get("complete") != 1:
-        raise InputError(
-            name,
-            "it has no completeness mark",
-            "a recording as capture wrote it",
-            "capture or recover it again",
-        )
+        problem = "it has no completeness mark"
+        raise InputError(name, problem, "a recording as capture wrote it", "capture or recover it again")
     if about.get("partial") != "yes":
         return False
     if row.get("partial", "") != "allow":

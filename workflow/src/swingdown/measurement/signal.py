@@ -29,6 +29,7 @@ from .positions import (
     to_angles,
     without_length,
 )
+from .sheet import Row
 from .units import NO_SCALE, in_rad
 
 UNIT_WORDS = {
@@ -75,7 +76,7 @@ class Interpreted(NamedTuple):
 
 
 def signal_of(
-    row: Mapping[str, Any],
+    row: Row,
     place: str,
     columns: Chosen,
     times: Floats,
@@ -138,9 +139,7 @@ def signal_of(
     return Interpreted(times, values[taken], reading, told, about, names[taken])
 
 
-def _reading(
-    row: Mapping[str, Any], columns: Chosen, times: Floats, signal: Floats, restoring: str, where: str
-) -> Reading:
+def _reading(row: Row, columns: Chosen, times: Floats, signal: Floats, restoring: str, where: str) -> Reading:
     """What a column is read as: by its unit, the sheet's scale, or its name where that is one of raw readings."""
     unit, scale = columns.unit, _stated_scale(row, where)
     if unit == "counts" and scale is None:
@@ -171,7 +170,7 @@ def _reading(
     return Reading("rad", False, 1.0, restoring)
 
 
-def _stated_scale(row: Mapping[str, Any], where: str) -> float | None:
+def _stated_scale(row: Row, where: str) -> float | None:
     """Rad per unit of the signal by the sheet's cell ``scale``; NaN for ``relative``, None for an empty cell."""
     cell = str(row.get("scale", "") or "").strip()
     if not cell:
@@ -201,7 +200,7 @@ def _degrees_a_unit(cell: str) -> float:
 
 
 def _coordinate(
-    row: Mapping[str, Any], where: str, columns: Chosen, times: Floats, x: Floats, restoring: str
+    row: Row, where: str, columns: Chosen, times: Floats, x: Floats, restoring: str
 ) -> Interpreted:
     """The angle of one coordinate of the bob: by the length that the sheet states, as a small swing, or without a scale."""
     first = columns.found[0]
@@ -247,24 +246,18 @@ def _ask_length(times: Floats, x: Floats, each: float, where: str) -> None:
     is not its angle, and as a bob's on a string does that swings so far: no spring's does."""
     wide = float(np.ptp(x)) / 2
     if apparent_scale(times, x) * wide > WIDE and not 0 < wide * each < WIDE * on_a_string(times, x):
-        raise InputError(
-            where,
-            "its period falls as its swings shrink, as a pendulum's does: they are wide, and the angle of one coordinate is an arcsine over its length",
-            "the length, from the pivot to the point that was followed",
-            "state ⟨length⟩, in its unit; for the period alone write ⟨scale=relative⟩",
-        )
+        problem = "its period falls as its swings shrink, as a pendulum's does: they are wide, and the angle of one coordinate is an arcsine over its length"
+        mend = "state ⟨length⟩, in its unit; for the period alone write ⟨scale=relative⟩"
+        raise InputError(where, problem, "the length, from the pivot to the point that was followed", mend)
 
 
 def _told_lost(away: np.ndarray, circle: Circle, angle: Floats, unit: str, place: str) -> list[str]:
     """Remarks on positions off the circle, which a tracker lost; InputError where they are too many."""
     share, unit = float(np.mean(away)), f" {unit}" if unit else ""
     if share > MOST_LOST:
-        raise InputError(
-            place,
-            f"{100 * share:.0f} % of the positions lie off the circle of the others, {circle.residual:.2g}{unit} (RMS)",
-            "a bob that the tracker follows",
-            "track it anew, or leave the part out with ⟨start_s⟩ and ⟨stop_s⟩",
-        )
+        problem = f"{100 * share:.0f} % of the positions lie off the circle of the others, {circle.residual:.2g}{unit} (RMS)"
+        mend = "track it anew, or leave the part out with ⟨start_s⟩ and ⟨stop_s⟩"
+        raise InputError(place, problem, "a bob that the tracker follows", mend)
     told = [f"{int(away.sum())} of {away.size} positions lie off the circle, as where a tracker lost the bob: left out as missing"] if away.any() else []  # fmt: skip
     swing = circle.radius * float(np.ptp(angle)) / 2
     if circle.residual > 0.1 * swing:

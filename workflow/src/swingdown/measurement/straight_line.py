@@ -1,6 +1,4 @@
-"""Straight lines through points with errors in both coordinates, and what follows from a line with its
-covariance.
-"""
+"""Straight lines through points with errors in both coordinates, and what follows from a line with its covariance."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -53,9 +51,7 @@ class Line:
         return self.intercept + self.slope * x, np.sqrt(variance)
 
     def inverse(self, y: ArrayLike, u_y: ArrayLike = 0.0) -> tuple[Floats, Floats]:
-        """x where the line takes the value ``y``, and its standard uncertainty (ISO/TS 28037, inverse
-        evaluation).
-        """
+        """x where the line takes the value ``y``, and its standard uncertainty (ISO/TS 28037, inverse evaluation)."""
         x = (np.asarray(y, dtype=float) - self.intercept) / self.slope
         return x, np.sqrt(self._variance(x) + np.asarray(u_y) ** 2) / abs(self.slope)
 
@@ -84,12 +80,9 @@ def fit_line(x: ArrayLike, y: ArrayLike, sd_x: ArrayLike, sd_y: ArrayLike) -> Li
     x, y = _checked(x, y)
     sd_x, sd_y = (np.broadcast_to(np.asarray(v, dtype=float), x.shape) for v in (sd_x, sd_y))
     if np.any(sd_x < 0) or np.any(sd_y < 0) or np.any((sd_x == 0) & (sd_y == 0)):
-        raise InputError(
-            "line",
-            "a point has no uncertainty, or a negative one",
-            "standard deviations above 0",
-            "state the uncertainty of every point",
-        )
+        problem = "a point has no uncertainty, or a negative one"
+        expected = "standard deviations above 0"
+        raise InputError("line", problem, expected, "state the uncertainty of every point")
     vx, vy = sd_x**2, sd_y**2
 
     def step(slope: float) -> tuple[float, Floats, float, float, Floats]:
@@ -137,12 +130,9 @@ def fit_line_correlated(x: ArrayLike, y: ArrayLike, covariance_x: ArrayLike, cov
         try:
             return np.linalg.inv(covariance_y + slope**2 * covariance_x)
         except np.linalg.LinAlgError as error:
-            raise InputError(
-                "line",
-                "the covariance of the points cannot be inverted",
-                "an error of its own for every point",
-                "state the uncertainty of every point",
-            ) from error
+            problem = "the covariance of the points cannot be inverted"
+            expected = "an error of its own for every point"
+            raise InputError("line", problem, expected, "state the uncertainty of every point") from error
 
     def solve(slope: float) -> tuple[Floats, Floats, Floats]:
         return solve_lines(x, y, covariance_x, weights(slope), slope)
@@ -192,16 +182,11 @@ def solve_lines(
 def _checked(x: ArrayLike, y: ArrayLike) -> tuple[Floats, Floats]:
     x, y = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
     if x.shape != y.shape or x.ndim != 1 or len(x) < FEWEST:
-        raise InputError(
-            "line",
-            f"{x.size} and {y.size} coordinates",
-            f"at least {FEWEST} points with an x and a y each",
-            "add points",
-        )
+        problem = f"{x.size} and {y.size} coordinates"
+        raise InputError("line", problem, f"at least {FEWEST} points with an x and a y each", "add points")
     if np.ptp(x) == 0:
-        raise InputError(
-            "line", f"every point has x = {x[0]:g}", "points at different x", "spread the points"
-        )
+        problem = f"every point has x = {x[0]:g}"
+        raise InputError("line", problem, "points at different x", "spread the points")
     return x, y
 
 
@@ -215,9 +200,6 @@ def _settled(update: Callable[[float], float], slope: float) -> float:
     # rounding keeps it from settling further
     if np.isfinite(slope) and abs(slope - last) <= 1e-12 * abs(slope):
         return slope
-    raise InputError(
-        "line",
-        "no line fits these points: the slope does not settle",
-        "points that follow a straight line within their errors",
-        "look at the points",
-    )
+    problem = "no line fits these points: the slope does not settle"
+    expected = "points that follow a straight line within their errors"
+    raise InputError("line", problem, expected, "look at the points")

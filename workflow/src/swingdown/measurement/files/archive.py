@@ -74,9 +74,8 @@ def _alone(source: BinaryIO, name: str) -> Inside:
                 copy.write(piece)
                 _check_size(name, "the file in it", copy.tell(), f"unpack it: {IN_PIECES}")
     except (OSError, EOFError, zlib.error) as error:
-        raise InputError(
-            name, f"it cannot be unpacked ({error})", "a whole file that gzip packed", "pack it again"
-        ) from error
+        problem = f"it cannot be unpacked ({error})"
+        raise InputError(name, problem, "a whole file that gzip packed", "pack it again") from error
     copy.seek(0)
     return Inside(copy, "unpacked", inside if inside.lower().endswith(OTHERS) else "")
 
@@ -115,9 +114,8 @@ def _member(archive: zipfile.ZipFile, name: str, part: str) -> Inside:
     if part and part not in archive.namelist():
         raise _no_part(name, part, files, "file")
     if not files:
-        raise InputError(
-            name, "the archive holds no table of numbers", "a CSV file in it, or a workbook", UNPACK
-        )
+        problem = "the archive holds no table of numbers"
+        raise InputError(name, problem, "a CSV file in it, or a workbook", UNPACK)
     if not part and len(files) > 1:  # notes are no recording
         tables = []
         for one in files:
@@ -151,9 +149,6 @@ def _check_size(name: str, what: str, size: int, mend: str) -> None:
 
 
 def _no_part(name: str, part: str, there: list[str], what: str) -> InputError:
-    return InputError(
-        f"{name} (column sheet)",
-        f"there is no {what} {part!r} in it",
-        ", ".join(there) or "none at all",
-        "correct ⟨sheet⟩, or leave it empty",
-    )
+    problem = f"there is no {what} {part!r} in it"
+    expected = ", ".join(there) or "none at all"
+    return InputError(f"{name} (column sheet)", problem, expected, "correct ⟨sheet⟩, or leave it empty")

@@ -176,7 +176,8 @@ def _unit_in(name: str) -> tuple[str, str]:
         return found[1], f"{found[2]}/s"
     if found := re.fullmatch(r"(.*?)\s*[(\[]\s*([^()\[\]]*?)\s*[)\]]\s*", name):
         label, inside = found.groups()
-        return label, inside if _is_unit(inside) else ""
+        # a word of comment, such as in ``angle (filtered)``, is none
+        return label, inside if inside.lower() in UNITS or re.search(r"[/^°²·%]", inside) else ""
     # the German noun; what is no noun may be a 400th of a turn
     if found := re.fullmatch(rf"(.+) {_IN} Grad(/s)?", name):
         return found[1], "degrees" + (found[2] or "")
@@ -191,11 +192,6 @@ def _unit_in(name: str) -> tuple[str, str]:
         if (found := re.fullmatch(pattern, name)) and found[2].lower() in UNITS and _states(*found.groups()):
             return found[1], found[2]
     return name, ""
-
-
-def _is_unit(inside: str) -> bool:
-    """True for what stands in brackets unless it is a word of comment, such as ``angle (filtered)``."""
-    return inside.lower() in UNITS or bool(re.search(r"[/^°²·%]", inside))
 
 
 def _states(label: str, unit: str) -> bool:
@@ -236,12 +232,9 @@ def choose(
             "name it ⟨in time_column⟩, or write its unit ⟨in time_unit⟩; for a file without times write the samples a second ⟨in rate_hz⟩",
         )
     if not units[0] and clock.written and not clock.unit:
-        raise InputError(
-            f"{place}, {place_of(clock.name)}",
-            f"the unit of the time, {clock.written!r}, is not known here",
-            "s, ms, us or ns",
-            "convert the column, or write its unit ⟨in time_unit⟩",
-        )
+        problem = f"the unit of the time, {clock.written!r}, is not known here"
+        mend = "convert the column, or write its unit ⟨in time_unit⟩"
+        raise InputError(f"{place}, {place_of(clock.name)}", problem, "s, ms, us or ns", mend)
     others = [one for one in columns if one is not clock]
     return clock, _swing(clock, others, by_name, signal, place, units[1])
 

@@ -44,9 +44,8 @@ def delimited(source: BinaryIO, name: str, rate: float = np.nan) -> dict[str, Ta
         return prefixed("a word beside each number", delimited(text, name, rate))
     blocks, opening = find_blocks(source, coded, how, name) if how else ([], [])
     if not how or not blocks:
-        raise InputError(
-            name, "it holds no table of numbers", "columns of numbers: a time and a swing", "export it again"
-        )
+        problem = "it holds no table of numbers"
+        raise InputError(name, problem, "columns of numbers: a time and a swing", "export it again")
     about, volts = _about(opening), any(map(_VOLTS.match, head[:_SETTINGS]))
     found = {}
     for number, block in enumerate(blocks, 1):
@@ -144,12 +143,8 @@ def stated_rate(above: Sequence[str]) -> float:
 def _in_volts(table: Table) -> Table:
     """The table with V as the unit of each column without one that neither is a time nor goes on as one."""
     first = next(iter(table.pieces))
-    own = {one: table.meaning(one) for one in table.names}
-    plain = [
-        one
-        for one, told in own.items()
-        if told.kind == UNTOLD and not told.axis and not goes_on(table.numbers(first, one))
-    ]
+    untold = (one.name for one in table.meanings if one.kind == UNTOLD and not one.axis)
+    plain = [name for name in untold if not goes_on(table.numbers(first, name))]
     return table._replace(units={**dict.fromkeys(plain, "V"), **table.units})
 
 

@@ -88,12 +88,9 @@ def roots(source: BinaryIO, name: str, program: str, ending: str, way: str = "as
         with zipfile.ZipFile(source) as archive:
             inside = [one for one in archive.namelist() if one.lower().endswith(ending)]
             if not inside:
-                raise InputError(
-                    name,
-                    f"the archive holds no file that ends in {ending}",
-                    f"an archive that {program} saved",
-                    f"save it again in {program}",
-                )
+                problem = f"the archive holds no file that ends in {ending}"
+                expected = f"an archive that {program} saved"
+                raise InputError(name, problem, expected, f"save it again in {program}")
             for one in inside:
                 with archive.open(one) as file:
                     yield _root(file.read(LARGEST + 1), f"{name}, {one}")

@@ -167,24 +167,19 @@ def layout(above: Sequence[str], sample: Sequence[str], how: Dialect, encoding: 
     rows = [how.cells(line) for line in sample]
     size = how.size
     if size > MOST_COLUMNS:
-        raise InputError(
-            place, f"it has {size} columns", f"at most {MOST_COLUMNS}", "export those of time and swing alone"
-        )
+        problem = f"it has {size} columns"
+        raise InputError(place, problem, f"at most {MOST_COLUMNS}", "export those of time and swing alone")
     stamps = tuple(
         k for k in range(size) if 2 * sum(":" in row[k] for row in rows if k < len(row)) > len(rows)
     )
-    lines = [
-        [
-            _header_cells(line, how)
-            for line in above
-            if bool(COMMENT.match(line)) == comments and not STATES_RATE.search(line)
-        ]
-        for comments in (False, True)
-    ]
-    lines = [[cells for cells in one if "=" not in cells] for one in lines]  # a setting and its value
-    names, titles = _named(lines[0], how, rows, place)
+    plain, comments = list[list[str]](), list[list[str]]()
+    for line in above:
+        cells = [] if STATES_RATE.search(line) else _header_cells(line, how)
+        if cells and "=" not in cells:  # a setting and its value
+            (comments if COMMENT.match(line) else plain).append(cells)
+    names, titles = _named(plain, how, rows, place)
     if not names:
-        fitting = [cells for cells in lines[1] if len(cells) <= size]  # what else a comment says is no header
+        fitting = [cells for cells in comments if len(cells) <= size]  # what else a comment says is no header
         names, titles = _named(fitting, how, rows, place)
     named = bool(names)
     if how.arrivals:
@@ -353,11 +348,8 @@ def _are_units(cells: list[str], above: list[str], size: int) -> bool:
     bare = [cell.strip("()[] ").lower() for cell in cells]
     known = [UNITS[cell][0] for cell in bare if cell in UNITS]
     told = any(kind in (TIME, ANGLE, LENGTH, VOLTAGE, RATE) for kind in known)
-    return (
-        told
-        and len(cells) <= size == len(above)
-        and all(cell in UNITS or cell in ("", "-", "1") for cell in bare)
-    )
+    all_ = all(cell in UNITS or cell in ("", "-", "1") for cell in bare)
+    return told and all_ and len(cells) <= size == len(above)
 
 
 def _is_boxed(cell: str) -> bool:
@@ -379,12 +371,9 @@ def _with_units(names: list[str], units: list[str], place: str) -> list[str]:
         elif UNITS.get(own.written.lower()) == UNITS[unit.lower()]:
             told.append(name)
         else:
-            raise InputError(
-                f"{place}, column {name}",
-                f"its name says {own.written!r} and the line below says {unit!r}",
-                "one unit",
-                "correct one of them in the file",
-            )
+            problem = f"its name says {own.written!r} and the line below says {unit!r}"
+            expected = "one unit"
+            raise InputError(f"{place}, column {name}", problem, expected, "correct one of them in the file")
     return told
 
 

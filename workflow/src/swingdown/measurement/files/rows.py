@@ -152,12 +152,8 @@ class _Finder:
     def _no_row(self, number: int, line: str, block: Block | None) -> None:
         self.odd += 1
         if self.odd > MOST_ODD:
-            raise InputError(
-                self.name,
-                f"{MOST_ODD} of its lines are not rows of numbers",
-                "a table of numbers as text",
-                "export it again",
-            )
+            problem = f"{MOST_ODD} of its lines are not rows of numbers"
+            raise InputError(self.name, problem, "a table of numbers as text", "export it again")
         self.gap.append((number, line))
         if block is None:
             self.opening.append(line)
@@ -354,16 +350,11 @@ def _parsed(piece: bytes, how: Layout, name: str, lines: NDArray[np.integer]) ->
             encoding_errors="replace",
         )
     except pd.errors.ParserError as error:
-        raise InputError(
-            name, f"it is not a table ({error})", "CSV with a header", "correct the file"
-        ) from error
+        problem = f"it is not a table ({error})"
+        raise InputError(name, problem, "CSV with a header", "correct the file") from error
     if len(part) != len(lines):
-        raise InputError(
-            f"{name}, line {lines[0]}",
-            "a quote is opened there or below and never closed",
-            "cells with both their quotes",
-            "mend the row",
-        )
+        problem = "a quote is opened there or below and never closed"
+        raise InputError(f"{name}, line {lines[0]}", problem, "cells with both their quotes", "mend the row")
     part.index = pd.Index(lines)
     if (extra := part[BEYOND].notna()).any():
         raise too_long(name, int(lines[int(np.argmax(extra))]), len(how.names))
@@ -391,9 +382,6 @@ def _places(cell: str) -> int:
 
 def too_long(name: str, line: int, columns: int) -> InputError:
     """The refusal of rows with more cells than the table has columns."""
-    return InputError(
-        f"{name}, line {line}",
-        f"it is not a table: the row has more cells than the {columns} columns of the table",
-        "as many cells in each row",
-        "mend the row; numbers with a decimal comma or thousands between commas need quotes or another separator",
-    )
+    problem = f"it is not a table: the row has more cells than the {columns} columns of the table"
+    mend = "mend the row; numbers with a decimal comma or thousands between commas need quotes or another separator"
+    return InputError(f"{name}, line {line}", problem, "as many cells in each row", mend)

@@ -62,11 +62,11 @@ def _of_json(saved: Any) -> dict[str, Floats]:
         if isinstance(value, list) and value and isinstance(value[0], Mapping):
             found |= _of_json(value)
         elif isinstance(value, list) and value and not isinstance(value[0], str):
-            found |= (
-                _columns(str(key), _numbers(value))
-                if not isinstance(value[0], list)
-                else _of_json({f"{key} {k}": list(one) for k, one in enumerate(zip(*value, strict=True), 1)})
-            )
+            if isinstance(value[0], list):
+                across = enumerate(zip(*value, strict=True), 1)
+                found |= _of_json({f"{key} {k}": list(one) for k, one in across})
+            else:
+                found |= _columns(str(key), _numbers(value))
         elif isinstance(value, Mapping):
             found |= _of_json(value)
     return found

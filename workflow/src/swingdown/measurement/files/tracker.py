@@ -32,12 +32,9 @@ def tracks(source: BinaryIO, name: str) -> dict[str, Columns]:
             names = distinct([*found, *part], [""] * (len(found) + len(part)))
             found = dict(zip(names, [*found.values(), *part.values()], strict=True))
     if not found:
-        raise InputError(
-            name,
-            "it holds no point mass that was marked within the clip",
-            "the track of the bob",
-            "track the bob as a point mass in Tracker and save the project",
-        )
+        problem = "it holds no point mass that was marked within the clip"
+        mend = "track the bob as a point mass in Tracker and save the project"
+        raise InputError(name, problem, "the track of the bob", mend)
     return found
 
 

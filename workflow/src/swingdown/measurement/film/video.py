@@ -191,9 +191,8 @@ def _frames(
     finally:
         reader.release()
     if not count:
-        raise InputError(
-            name, "no frame of it can be read", FILM, "copy it anew from the camera, or save it as MP4"
-        )
+        problem = "no frame of it can be read"
+        raise InputError(name, problem, FILM, "copy it anew from the camera, or save it as MP4")
 
 
 def _stated(cv2: Any, path: str) -> tuple[int, float]:

@@ -15,14 +15,13 @@ import xarray as xr
 from ...arrays import Floats, longest
 from ...errors import InputError
 from ...pendulum.half_swings import half_swings
-from ...rounding import moment
 from ..files.columns import COUNTS, TIME, UNTOLD, VOLTAGE, Meaning, place_of
 from ..files.source import Table
-from ..sheet import TIME_UNITS
+from ..sheet import TIME_UNITS, Row
 from .points_recording import PASSED, about_file, as_recording
 from .points_table import in_window, is_number, peeked
 from .swing_counts import FEWEST, counts
-from .turning_points import FASTEST, PASSAGES, PERIODS, Points, falls, too_few, unequal_sides
+from .turning_points import FASTEST, PASSAGES, PERIODS, Points, falls, too_few, unequal_sides, used_from
 
 _GATE = re.compile(
     r"(?i)\b(gate ?\d*|gate ?states?|edge( ?type)?|state|blocked|photogate|lichtschranke) ?\d*\b"
@@ -59,7 +58,7 @@ class Gate(NamedTuple):
     remarks: list[str]
 
 
-def passages(table: Table, row: Mapping[str, Any], place: str) -> tuple[Table, xr.Dataset | None]:
+def passages(table: Table, row: Row, place: str) -> tuple[Table, xr.Dataset | None]:
     """The table, to be read on, and the dataset of its passages; None where it holds something else.
 
     The dataset is as that of ``points_table.turning_points``, with speeds for readings, nan where the file has none.
@@ -88,7 +87,7 @@ def passages(table: Table, row: Mapping[str, Any], place: str) -> tuple[Table, x
     return table, as_passages(points, kind, gate.unit, about, row)
 
 
-def ask_periods(table: Table, row: Mapping[str, Any], place: str) -> Table:
+def ask_periods(table: Table, row: Row, place: str) -> Table:
     """The table, to be read on; InputError where all that it holds are numbers, nearly alike in each column, and nobody says what they are."""
     if row.get("signal_kind") or row["signal_column"]:
         return table
@@ -117,7 +116,7 @@ def _like_periods(values: Floats) -> bool:
 
 
 def as_passages(
-    points: Points, kind: str, unit: str, attrs: Mapping[str, Any], row: Mapping[str, Any] | None = None
+    points: Points, kind: str, unit: str, attrs: Mapping[str, Any], row: Row | None = None
 ) -> xr.Dataset:
     """The dataset of passages as recorded; ``kind`` is ``PASSAGES`` or ``PERIODS``, ``unit`` that of the speeds, "" for none."""
     found = as_recording(points, unit or "1", attrs, row)
@@ -141,9 +140,7 @@ def counted(gate: Gate, stated: str, place: str) -> tuple[Points, str]:
     step, remarks = (1 if kind == PASSAGES else 2), list(gate.remarks)
     halves, used = _halves(times, kind, step, place)
     if halves.size < times.size:
-        remarks.append(
-            f"used from {moment(times[used][0])} to {moment(times[used][-1])} s: how many swings passed beyond cannot be told"
-        )
+        remarks.append(used_from(times[used]))
     missed = int(halves[-1] // step + 1 - halves.size)
     if missed:
         remarks.append(f"between its {halves.size} passages {missed} more were missed")
@@ -171,7 +168,7 @@ def _halves(times: Floats, kind: str, step: int, place: str) -> tuple[np.ndarray
     )  # fmt: skip
 
 
-def _gate(rows: pd.DataFrame, table: Table, row: Mapping[str, Any]) -> Gate | None:
+def _gate(rows: pd.DataFrame, table: Table, row: Row) -> Gate | None:
     """The ``Gate`` of a file's rows; None where they are something else."""
     columns = table.meanings
     values = {one.name: table.numbers(rows, one.name) for one in columns}
@@ -197,15 +194,12 @@ def _gate(rows: pd.DataFrame, table: Table, row: Mapping[str, Any]) -> Gate | No
 
 
 def _of_columns(
-    clock: Meaning, beside: Sequence[Meaning], values: Mapping[str, Floats], row: Mapping[str, Any]
+    clock: Meaning, beside: Sequence[Meaning], values: Mapping[str, Floats], row: Row
 ) -> Gate | None:
     """Times with the period that ends at each, with the speed or the dark time there, or with both; None where a column is neither."""
     speeds = [one for one in beside if _is_dark(one) or _SPEED.search(_label(one)) or one.written in _SPEEDS]
-    periods = [
-        one
-        for one in beside
-        if one not in speeds and _PERIOD.search(_label(one)) and one.kind in (UNTOLD, TIME)
-    ]
+    others = (one for one in beside if one not in speeds and one.kind in (UNTOLD, TIME))
+    periods = [one for one in others if _PERIOD.search(_label(one))]
     if len(speeds) + len(periods) < len(beside):
         return None
     counted = _with_periods(clock, *_beside(values, clock, periods[0]), row) if periods else None
@@ -216,7 +210,7 @@ def _of_columns(
 
 
 def _of_gates(
-    clock: Meaning, states: Sequence[Meaning], values: Mapping[str, Floats], row: Mapping[str, Any]
+    clock: Meaning, states: Sequence[Meaning], values: Mapping[str, Floats], row: Row
 ) -> Gate | None:
     """Passages of the gate that the sheet names, or else of the one that has most; each gate is passed twice a period."""
     named = [one for one in states if one.name == row["signal_column"]]
@@ -232,7 +226,7 @@ def _of_gates(
     return gate._replace(remarks=gate.remarks + (told if others else []))
 
 
-def _with_periods(clock: Meaning, times: Floats, periods: Floats, row: Mapping[str, Any]) -> Gate | None:
+def _with_periods(clock: Meaning, times: Floats, periods: Floats, row: Row) -> Gate | None:
     """Times with the period that ends at each."""
     steps = np.diff(times)
     found = _alone(clock, times, row) if steps.size > 1 and np.all(steps > 0) else None
@@ -266,7 +260,7 @@ def _are_states(values: Floats) -> bool:
     return bool(np.isin(_sound(values), (0, 1)).all()) and np.ptp(_sound(values)) == 1
 
 
-def _alone(one: Meaning, values: Floats, row: Mapping[str, Any]) -> Gate | None:
+def _alone(one: Meaning, values: Floats, row: Row) -> Gate | None:
     """Times or intervals that stand alone, or beside their numbers."""
     name = _label(one)
     if values.size < 3 or values.min() < 0 or not np.ptp(values) or one.kind not in (UNTOLD, TIME):
@@ -287,9 +281,7 @@ def _alone(one: Meaning, values: Floats, row: Mapping[str, Any]) -> Gate | None:
     return Gate(scale * times, np.full(times.size, np.nan), "", kind, taken, told)
 
 
-def _with_speeds(
-    clock: Meaning, beside: Meaning, values: Mapping[str, Floats], row: Mapping[str, Any]
-) -> Gate | None:
+def _with_speeds(clock: Meaning, beside: Meaning, values: Mapping[str, Floats], row: Row) -> Gate | None:
     """Times with the speed at each, or with the time for which the gate was dark."""
     times, read = _beside(values, clock, beside)
     steps, turns, read = np.diff(times), np.mean(np.diff(np.sign(read)) != 0), np.abs(read)
@@ -308,9 +300,7 @@ def _with_speeds(
     return _dying(Gate(scale * times, speeds, words, "", taken, told))
 
 
-def _of_states(
-    clock: Meaning, state: Meaning, values: Mapping[str, Floats], row: Mapping[str, Any]
-) -> Gate | None:
+def _of_states(clock: Meaning, state: Meaning, values: Mapping[str, Floats], row: Row) -> Gate | None:
     """Passages from a gate's states: each begins where it goes dark and ends where it is light again."""
     times, states = _beside(values, clock, state)
     dark = states > 0
@@ -348,9 +338,7 @@ def _is_brief(begin: Floats, end: Floats) -> bool:
     return not light.size or _LIGHT * float(np.median(end - begin)) <= float(np.median(light))
 
 
-def _of_voltage(
-    clock: Meaning, state: Meaning, values: Mapping[str, Floats], row: Mapping[str, Any]
-) -> Gate | None:
+def _of_voltage(clock: Meaning, state: Meaning, values: Mapping[str, Floats], row: Row) -> Gate | None:
     """Passages from samples of a gate's voltage, which jumps between two levels and is dark for the shorter time; None of another signal.
 
     Whether it is passed twice a period is left open: that only unequal gaps tell.
@@ -387,7 +375,7 @@ def _alike(steps: Floats) -> bool:
     return usual > 0 and float(np.mean(np.abs(pairs - usual) < _ALIKE * usual)) >= _USUAL
 
 
-def _seconds(clock: Meaning, step: float, row: Mapping[str, Any]) -> tuple[float, str, list[str]]:
+def _seconds(clock: Meaning, step: float, row: Row) -> tuple[float, str, list[str]]:
     """How many seconds a unit of time is, its name as told, and a remark where it was taken by the only period that a pendulum can have."""
     unit = row["time_unit"] or clock.unit
     if unit:

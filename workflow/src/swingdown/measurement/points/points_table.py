@@ -2,9 +2,9 @@
 
 import itertools
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from math import pi
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -15,7 +15,7 @@ from ...errors import InputError
 from ..files.columns import ANGLE, LENGTH, OF_AN_ERROR, TIME, UNNAMED, UNTOLD, Meaning, choose, place_of
 from ..files.source import Table
 from ..files.table import numbers
-from ..sheet import TIME_UNITS
+from ..sheet import TIME_UNITS, Row
 from .points_recording import about_file, as_recording
 from .turning_points import PASSAGES, PERIODS, SWING, Points, points_in
 
@@ -34,7 +34,7 @@ class Columns(NamedTuple):
     u_signal: str = ""
 
 
-def turning_points(table: Table, row: Mapping[str, Any], place: str) -> tuple[Table, xr.Dataset | None]:
+def turning_points(table: Table, row: Row, place: str) -> tuple[Table, xr.Dataset | None]:
     """The table, to be read on, and the dataset of its turning points; None where it holds something else.
 
     The dataset has ``signal`` over ``time`` in the readings' unit and ``half_swings`` since the first. ``signal_kind`` of the ``row``
@@ -69,7 +69,7 @@ def turning_points(table: Table, row: Mapping[str, Any], place: str) -> tuple[Ta
     return table, as_recording(points, unit, about, row, (u_clock * scale, u_signal))
 
 
-def peeked(table: Table, row: Mapping[str, Any]) -> tuple[pd.DataFrame | None, Table]:
+def peeked(table: Table, row: Row) -> tuple[pd.DataFrame | None, Table]:
     """The numbers of a small table, and the table as it was before they were read; None of a larger one, or where the ``row`` states a rate
     or a bob at rest."""
     if row.get("rate_hz", np.nan) > 0 or row.get("role") == "static":
@@ -97,7 +97,7 @@ def _again(
     yield from rest
 
 
-def _columns(table: Table, row: Mapping[str, Any]) -> Columns | None:
+def _columns(table: Table, row: Row) -> Columns | None:
     """The columns that may be turning points; None where the file has none, or positions."""
     found = [table.meaning(name) for name in table.names if not name.startswith(UNNAMED)]
     usable = [one for one in found if not OF_AN_ERROR.search(one.name.replace("_", " "))]
@@ -121,7 +121,7 @@ def _columns(table: Table, row: Mapping[str, Any]) -> Columns | None:
     return Columns(clock, signal, *["", "", *errors[:2]][-2:])
 
 
-def in_window(times: Floats, row: Mapping[str, Any]) -> Bools:
+def in_window(times: Floats, row: Row) -> Bools:
     """True for the times (s) within the window of the ``row``, and for what is no number."""
     start, stop = (float(row.get(key, np.nan)) for key in ("start_s", "stop_s"))
     return ~(times < start) & ~(times > stop)
@@ -144,7 +144,7 @@ def _typical(rows: pd.DataFrame, name: str, decimal: str) -> float:
     return middle if middle > 0 else float("nan")
 
 
-def _taken(points: Points, columns: Columns, row: Mapping[str, Any], table: Table, unit: str) -> str:
+def _taken(points: Points, columns: Columns, row: Row, table: Table, unit: str) -> str:
     """How a file's turning points were read."""
     seconds = row["time_unit"] or columns.clock.unit or "s (no unit is stated)"
     clock = f"`{columns.clock.name}` as {seconds if points.timed else 'the number of the swing'}"
@@ -154,7 +154,7 @@ def _taken(points: Points, columns: Columns, row: Mapping[str, Any], table: Tabl
     return f"{taken}, {table.layout}" if table.layout else taken
 
 
-def _unit(readings: Floats, columns: Columns, row: Mapping[str, Any]) -> tuple[str, list[str]]:
+def _unit(readings: Floats, columns: Columns, row: Row) -> tuple[str, list[str]]:
     """The unit of a column's readings, and a remark where it was inferred or is none of angles."""
     signal = columns.signal
     coordinate = signal.kind == LENGTH or (signal.axis and columns.clock.axis != "x")  # y over x is a graph's

@@ -110,9 +110,8 @@ def points_in(
         flipped = readings * (1.0 if readings[0] > 0 else -1.0)
         used = _by_turns(np.sign(flipped) == (-1.0) ** halves, place) if both else slice(None)
         if used != slice(None):
-            remarks.append(
-                f"used from {moment(times[used][0])} to {moment(times[used][-1])} s: beyond two turning points on one side follow each other as if on both"
-            )
+            why = "beyond two turning points on one side follow each other as if on both"
+            remarks.append(used_from(times[used], why))
             times, halves = times[used], halves[used] - halves[used][0]
             flipped = flipped[used] * np.sign(flipped[used][0])
     else:
@@ -144,9 +143,7 @@ def _numbered(
         # that they are turning points is a guess: of a few points it has to suit all
         raise _no_count(place)
     if halves.size < times.size:
-        told.append(
-            f"used from {moment(times[used][0])} to {moment(times[used][-1])} s: how many swings passed beyond cannot be told"
-        )
+        told.append(used_from(times[used]))
     times, readings = times[used], readings[used]
     if np.min(np.diff(count)) > 1:
         told.append(
@@ -158,6 +155,11 @@ def _numbered(
             "were they of both sides without signs, the period would be twice this (half_swings ⟨in signal_kind⟩)"
         )
     return times, readings, halves, told
+
+
+def used_from(times: Floats, why: str = "how many swings passed beyond cannot be told") -> str:
+    """A remark that the points of these times (s) alone are used."""
+    return f"used from {moment(times[0])} to {moment(times[-1])} s: {why}"
 
 
 def _sides(

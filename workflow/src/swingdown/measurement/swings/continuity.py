@@ -72,12 +72,8 @@ def check_one_series(times: Floats, signal: Floats, place: str) -> None:
         if np.nanvar(rows.mean(axis=1)) > TOGETHER * np.nanvar(rows) and any(
             in_a_row(times[k::count][: rows.shape[0]], rows[:, k]) >= ENOUGH for k in range(count)
         ):
-            raise InputError(
-                place,
-                f"{count} series take turns in it, row by row",
-                "one series",
-                "write in a column of its own which sensor each row is of, or give each sensor a column or a file",
-            )
+            mend = "write in a column of its own which sensor each row is of, or give each sensor a column or a file"
+            raise InputError(place, f"{count} series take turns in it, row by row", "one series", mend)
 
 
 def _out_of_step(times: Floats, signal: Floats) -> Floats:

@@ -26,9 +26,8 @@ def missing_samples(even: Even, given: Floats) -> list[str]:
     if not holes:
         return []
     longest = max(even.times[b] - even.times[a - 1] for a, b in holes) - even.interval
-    return [
-        f"{int(even.missing.sum())} of {even.times.size} samples are missing, the longest hole {longest:.2g} s; the others are taken at their times"
-    ]
+    remark = f"{int(even.missing.sum())} of {even.times.size} samples are missing, the longest hole {longest:.2g} s; the others are taken at their times"
+    return [remark]
 
 
 class Uncounted(NamedTuple):

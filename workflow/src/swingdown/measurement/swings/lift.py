@@ -57,10 +57,8 @@ def _fitted(times: Floats, angle: Floats, halves: int) -> tuple[Floats, Floats, 
     """Fitted values (the model's, then angle and velocity at the first sample), their covariance for errors of 1 rad, and what the fit leaves (rad, RMS)."""
     amplitude = min(float(np.abs(angle).max()), 0.98 * pi)
     start = max(1, len(times) // (halves * 10))
-    frequency, velocity = (
-        pi * halves / times[-1] / quickening(amplitude),
-        (angle[start] - angle[0]) / times[start],
-    )
+    frequency = pi * halves / times[-1] / quickening(amplitude)
+    velocity = (angle[start] - angle[0]) / times[start]
     found = least_squares(
         lambda values: _motion(values, times)[0] - angle,
         [frequency, 0.01, 0.0, angle[0], velocity],

@@ -106,12 +106,8 @@ def noise_level(times: ArrayLike, signal: ArrayLike) -> float:
     """
     times, signal = np.asarray(times, dtype=float), np.asarray(signal, dtype=float)
     if len(signal) < SPECTRUM:
-        raise InputError(
-            "noise level",
-            f"{len(signal)} samples",
-            f"at least {SPECTRUM}",
-            "record longer, or more samples a second",
-        )
+        mend = "record longer, or more samples a second"
+        raise InputError("noise level", f"{len(signal)} samples", f"at least {SPECTRUM}", mend)
     interval = (times[-1] - times[0]) / (len(times) - 1)
     frequency, power, gain = _spectrum(signal, interval)
     high = min(BAND[1], 0.5 / interval)

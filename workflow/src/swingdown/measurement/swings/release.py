@@ -1,7 +1,7 @@
 """Where a pendulum swings by itself: from the release out of a hand to the next one, or to where it rests."""
 
-from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -10,7 +10,7 @@ from ...arrays import Floats
 from ...errors import InputError
 from ...pendulum.half_swings import Swings, half_swings
 from ...quantisation import quantisation_step
-from ..sheet import rows_of_parts
+from ..sheet import Row, rows_of_parts
 from .hand import Stretch, held_still, stretches
 from .lift import lifted_until
 from .noise_level import noise_level
@@ -187,7 +187,7 @@ def by_itself(recording: xr.Dataset) -> xr.Dataset:
     return recording.isel(time=within(Window(NAN, begins, ends, False), recording["time"].values))
 
 
-def several_releases(windows: Sequence[Window], row: Mapping[str, Any], place: str) -> SeveralReleases:
+def several_releases(windows: Sequence[Window], row: Row, place: str) -> SeveralReleases:
     """The refusal of a recording with several releases. Its mend holds the rows of the sheet that make each of them a recording."""
     ends = [{"start_s": window.begins, "stop_s": window.ends} for window in windows]
     parts = [{key: "" if np.isnan(at) else f"{at:.3f}" for key, at in one.items()} for one in ends]
