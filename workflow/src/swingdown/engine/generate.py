@@ -159,25 +159,15 @@ def _partials(outputs, inputs, parameters):
     for row, expression in outputs.items():
         found += [(f"PARTIAL({row}, {column})", "+=", expression.diff(of)) for column, of in inputs.items()]
         found.append((f"PARTIAL_BY_PARAMETER({row}, 0)", "+=", expression.diff(_OMEGA)))
-        found += [
-            (
-                f"PARTIAL_BY_PARAMETER({row}, at.first_parameter + {k})",
-                "=",
-                _by_parameter(expression, parameter),
-            )
-            for k, parameter in enumerate(parameters)
-        ]
+        for k, parameter in enumerate(parameters):
+            target = f"PARTIAL_BY_PARAMETER({row}, at.first_parameter + {k})"
+            found.append((target, "=", _by_parameter(expression, parameter)))
     return [(target, operator, derivative) for target, operator, derivative in found if derivative != 0]
 
 
 def _values(outputs, operator="+="):
     """The assignments of outputs as {row: expression}."""
     return [(f"out + ({row}) * q->stride", operator, expression) for row, expression in outputs.items()]
-
-
-def _by_point(expression):
-    """A reading is taken point by point, so its signs are those of each point."""
-    return expression.replace(sympy.sign, lambda x: 2 * sympy.Heaviside(x, 1) - 1)
 
 
 class _Outputs:
@@ -195,7 +185,9 @@ class _Outputs:
         there = {row: expression for row, expression in motion.items() if expression is not None}
         self.motion = {row: _frozen(expression, self.switches) for row, expression in there.items()}
         self.initial = {f"{k}": value for k, value in enumerate(formulas.initial)}
-        self.reading = {} if formulas.reading is None else {"0": _by_point(formulas.reading)}
+        self.reading = {}
+        if formulas.reading is not None:  # it is taken point by point, so its signs are those of each point
+            self.reading["0"] = formulas.reading.replace(sympy.sign, lambda x: 2 * sympy.Heaviside(x, 1) - 1)
         states = list(self.states.values())
         rates = [self.motion[f"2 + at.first_state + {k}"] for k in range(len(states))]
         self.methods = state_methods(formulas, rates, states, self.switches)

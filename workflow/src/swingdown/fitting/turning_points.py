@@ -137,7 +137,9 @@ def fit_turns(
         problem = f"there are {turns.angles.size} of them"
         raise InputError("turning points", problem, f"at least {fewest}", "write down more of them")
     free = _free(model, turns)
-    scatter = _first_scatter(turns)
+    # to begin with, a hundredth of the half-swing and of the largest angle
+    half = float(np.median(np.diff(turns.times) / np.diff(turns.halves)))
+    scatter = 0.01 * half, 0.01 * float(np.abs(turns.angles).max())
     starts = [np.array([one.get(name, 0.0) for name in free]) for one in guesses]
     if not (unseen(model) and guesses):
         starts = [_start(model, turns, free), *starts]
@@ -191,12 +193,6 @@ def _start(model: Model, turns: Turns, free: Sequence[str]) -> Floats:
             break
         at[damped] /= 2
     return at
-
-
-def _first_scatter(turns: Turns) -> tuple[float, float]:
-    """Standard deviations of times and angles to begin with: a hundredth of the half-swing and of the largest angle."""
-    half = float(np.median(np.diff(turns.times) / np.diff(turns.halves)))
-    return 0.01 * half, 0.01 * float(np.abs(turns.angles).max())
 
 
 def _least(

@@ -114,15 +114,13 @@ def drive(times: Any, values: Any, kind: str, between: str = "curve", free: Any 
         raise InputError("input", problem, "numbers throughout", mend)
     first, last = times[0] - (times[1] - times[0]), times[-1] + (times[-1] - times[-2])
     pieces = _pieces(times, values, between)
-    rises = (pieces[0, 1], _slope(pieces[-1], times[-1] - times[-2])) if between == "curve" else (0.0, 0.0)
+    rises = 0.0, 0.0  # where it begins and ends
+    if between == "curve":
+        (_, b, c, d), x = pieces[-1], times[-1] - times[-2]
+        rises = pieces[0, 1], float(b + x * (2 * c + x * 3 * d))
     before, after = [values[0] + rises[0] * (first - times[0]), rises[0], 0, 0], [values[-1], rises[1], 0, 0]
     whole = np.concatenate([[before], pieces, [after]])
     return Drive(kind, np.concatenate([[first], times, [last]]), whole, between, left)
-
-
-def _slope(piece: Floats, after: float) -> float:
-    """The rate of a piece so long (s) after its first knot."""
-    return float(piece[1] + after * (2 * piece[2] + after * 3 * piece[3]))
 
 
 def _pieces(times: Floats, values: Floats, between: str) -> Floats:

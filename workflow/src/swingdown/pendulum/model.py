@@ -286,9 +286,8 @@ class Model:
             If values are missing; it names them.
         """
         if lost := [name for name in self.parameters if name not in self.values]:
-            raise InputError(
-                f"model {self.label}", f"no value for {', '.join(lost)}", "a value for each parameter"
-            )
+            problem = f"no value for {', '.join(lost)}"
+            raise InputError(f"model {self.label}", problem, "a value for each parameter")
         return [float(self.values[name]) for name in self.parameters]
 
 
