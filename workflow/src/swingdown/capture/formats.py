@@ -228,7 +228,6 @@ def parser(settings):
     """A new parser of the wire format that the config's ``capture`` names; InputError if there is no such format."""
     name = settings["format"]
     if name not in FORMATS:
-        raise InputError(
-            "capture.format", f"unknown wire format {name!r}", ", ".join(FORMATS), near(name, FORMATS)
-        )
+        problem = f"unknown wire format {name!r}"
+        raise InputError("capture.format", problem, ", ".join(FORMATS), near(name, FORMATS))
     return FORMATS[name](settings)

@@ -208,9 +208,8 @@ def told(job, data):
 def _nothing(job, recorder, remove_journal):
     if recorder.status == STOPPED:
         remove_journal()
-        return InputError(
-            "capture", "stopped before anything was recorded", "a release", "run the same command again"
-        )
+        problem = "stopped before anything was recorded"
+        return InputError("capture", problem, "a release", "run the same command again")
     rows = recorder.order.rows
     if rows:
         values = [row.value * recorder.scale for row in rows]

@@ -54,7 +54,9 @@ def run(jobs, guide, views=(), stop=None, leave=None, say=print):
     try:
         for number, job in enumerate(asked_for, 1):
             text = f"{job.name} ({number} of {len(asked_for)}): {asked(job)}"
-            if not guide.prompt(text, _waits(job), _looker(job, opened, listener)):
+            # where nothing but the experimenter can tell that it may begin
+            waits = job.height is not None or not job.settings.get("trigger")
+            if not guide.prompt(text, waits, _looker(job, opened, listener)):
                 break
             try:
                 say(recording.record(job, opened, listener, views, stop))
@@ -82,11 +84,6 @@ def asked(job):
     if job.settings.get("trigger"):
         return "lift the bob and hold it still where you will let it go; let go when it says ARMED"
     return "lift the bob; the recording begins when the countdown ends"
-
-
-def _waits(job):
-    """True where nothing but the experimenter can tell that it may begin."""
-    return job.height is not None or not job.settings.get("trigger")
 
 
 def _looker(job, opened, listener):

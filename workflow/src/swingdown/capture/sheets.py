@@ -123,9 +123,8 @@ def readable(path: str | Path) -> bytes:
     if not said and b"\r" in old.replace(b"\r\n", b""):
         said = "its lines end in CR alone, as those of old Macintosh programs, or within a line"
     if said:
-        raise InputError(
-            path, said, "text in UTF-8 with lines that end in LF or CRLF", "save it again as `CSV UTF-8`"
-        )
+        mend = "save it again as `CSV UTF-8`"
+        raise InputError(path, said, "text in UTF-8 with lines that end in LF or CRLF", mend)
     return old
 
 

@@ -17,9 +17,8 @@ def takes(config: dict) -> list[dict]:
     """
     if config.get("session"):
         if "recording" in config:
-            raise InputError(
-                "config, key session", "recordings are named beside it", "one of the two", "leave one out"
-            )
+            problem = "recordings are named beside it"
+            raise InputError("config, key session", problem, "one of the two", "leave one out")
         asked = (config.get("capture") or {}).get("takes") or []
         if not asked:
             problem = "the session has no plan"
