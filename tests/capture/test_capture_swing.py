@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from swingdown.capture.swing import MANY, measure
+from swingdown.capture.live import MANY, measure
 
 PERIOD, RATE = 1.3, 100
 

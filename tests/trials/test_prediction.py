@@ -7,7 +7,7 @@ from swingdown.engine.trajectory import simulate
 from swingdown.fitting.least_squares import fit_jointly
 from swingdown.fitting.uncertainty import uncertainty
 from swingdown.pendulum.model import Model
-from swingdown_trials.prediction import predict_reading
+from swingdown_trials.coverage import predict_reading
 
 MODEL = Model("viscous", {"natural_frequency": 7.25, "viscous_ratio": 0.01})
 TIMES, LATER = np.arange(400) / 50, np.array([0.0, 1.003, 9.5, 12.0])

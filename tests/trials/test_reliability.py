@@ -3,7 +3,7 @@
 import pandas as pd
 import pytest
 
-from swingdown_trials.reliability import reliability
+from swingdown_trials.score import reliability
 
 
 def test_the_reliability_table_counts_what_was_told_and_what_was_there():

@@ -6,8 +6,7 @@ import yaml
 from swingdown import console
 from swingdown.pendulum.catalogue import catalogue
 from swingdown.sealed import read_json, write_csv, write_text
-from swingdown_trials.reliability import reliability
-from swingdown_trials.score import confusion, guard, row, summarise
+from swingdown_trials.score import confusion, guard, reliability, row, summarise
 
 with console.job(snakemake.log[0]) as say:
     files, made = snakemake.input, snakemake.output

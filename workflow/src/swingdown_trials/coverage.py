@@ -20,7 +20,9 @@ from swingdown.arrays import Floats, Swing
 from swingdown.calibration import from_means
 from swingdown.calibration.geometry import arm_angle
 from swingdown.calibration.layout import Read
+from swingdown.engine.trajectory import checked_times, sensitivities
 from swingdown.fitting.least_squares import fit_jointly
+from swingdown.fitting.problem import RELEASE
 from swingdown.fitting.result import Fit
 from swingdown.fitting.slack import allowing
 from swingdown.fitting.uncertainty import Uncertainty, uncertainty
@@ -31,7 +33,6 @@ from swingdown.measurement.uncertainty import Mean, mean_of_samples
 from swingdown.pendulum.model import Model
 from swingdown.studies.quantities import Quantity, quantities
 
-from .prediction import predict_reading
 from .second_pendulum import trajectory
 
 STATED = 0.95
@@ -47,6 +48,7 @@ DURATION, FITTED, RATE = 20.0, 15.0, 50.0
 AMPLITUDES = (0.3, 0.4, 0.5, 0.6)  # rad
 AT = 0.3  # rad: the amplitude at which period, quality and decay time are asked for
 _STILL = 300  # samples on each tower
+_DRAWS = 500  # of a calibration's Monte Carlo
 
 
 @dataclass(frozen=True)
@@ -80,7 +82,7 @@ class Bench:
     volts: Callable[[Any], Floats]
 
 
-def bench(apparatus: Apparatus, seed: Sequence[int], smooth: bool = True, draws: int = 500) -> Bench:
+def bench(apparatus: Apparatus, seed: Sequence[int], smooth: bool = True) -> Bench:
     """The ``Bench`` of that seed: the sheet's lengths are taken for the true ones, and measured with errors in their limits.
 
     The encoder's error is a gain and a bend, as a swing meets it, or where not ``smooth`` another one at every voltage, anywhere
@@ -113,7 +115,7 @@ def bench(apparatus: Apparatus, seed: Sequence[int], smooth: bool = True, draws:
     towers = [read(float(one)) for one in volts(angles)]
     # errors are counted from there
     rest = read(ZERO + float(rng.uniform(-1, 1)) * apparatus["rest"]["limit"] / SLOPE)
-    calibration, _ = from_means(measured, Read(towers, rest, NOISE), draws, seed[0])
+    calibration, _ = from_means(measured, Read(towers, rest, NOISE), _DRAWS, seed[0])
     calibration.attrs |= {"emulated": "yes", "mode": "gum"}
     return Bench(calibration, volts)
 
@@ -125,13 +127,9 @@ def calibrations(apparatus: Apparatus, count: int, seed: int) -> pd.DataFrame:
         one = bench(apparatus, [seed, number], smooth=False)
         line, rng = one.calibration.sel(mode="gum"), np.random.default_rng([seed, number, 2])
         factor = float(line["coverage_factor"])
+        slope, u_slope = line["line"].sel(coefficient="slope"), np.sqrt(line["line_covariance"][1, 1])
         for name, truth, value, error in (
-            (
-                "slope of the line",
-                SLOPE,
-                line["line"].sel(coefficient="slope"),
-                np.sqrt(line["line_covariance"][1, 1]),
-            ),
+            ("slope of the line", SLOPE, slope, u_slope),
             ("rest voltage", ZERO, line["rest_voltage"], line["rest_voltage_uncertainty"]),
         ):
             held.setdefault(name, []).append(bool(abs(float(value) - truth) <= factor * float(error)))
@@ -156,21 +154,18 @@ def swings(apparatus: Apparatus, case: Case, count: int, seed: int) -> pd.DataFr
         clock = 1 + rng.uniform(-CLOCK_TOLERANCE, CLOCK_TOLERANCE)
         chosen = range(len(AMPLITUDES)) if case.swings > 1 else [number % len(AMPLITUDES)]
         times, clean = truths[0] * clock, [truths[1][k] for k in chosen]
-        angles = [
-            to_angle(_recording(times, _read(one, angle, case, rng)), one.calibration) for angle in clean
-        ]
+        read = (_recording(times, _read(one, angle, case, rng)) for angle in clean)
+        angles = [to_angle(recording, one.calibration) for recording in read]
         fit, known = _fitted(angles, times)
         for name, truth, value, half in _stated(fit, known, asked):
             held.setdefault(name, []).append(bool(abs(value - truth) <= half))
         foretold, spread = predict_reading(fit, known, times)
         line = one.calibration.sel(mode="gum")
-        reading = float(line["line"].sel(coefficient="slope")) * (
-            one.volts(clean[0]) - float(line["rest_voltage"])
-        )
+        away = one.volts(clean[0]) - float(line["rest_voltage"])
+        reading = float(line["line"].sel(coefficient="slope")) * away
         at = int(rng.integers(round(FITTED * RATE), times.size))
-        held.setdefault("held-out end", []).append(
-            bool(abs(foretold[at] - reading[at]) <= _factor(known) * spread[at])
-        )
+        inside = bool(abs(foretold[at] - reading[at]) <= _factor(known) * spread[at])
+        held.setdefault("held-out end", []).append(inside)
     return table(case.words, held)
 
 
@@ -207,10 +202,8 @@ def _read(one: Bench, angle: Floats, case: Case, rng: np.random.Generator) -> Fl
 
 
 def _recording(times: Floats, volts: Floats) -> xr.Dataset:
-    attrs = dict.fromkeys(("recording", "campaign", "role", "file", "sha256", "source"), "") | {
-        "emulated": "yes"
-    }
-    attrs["campaign"] = "bench"
+    attrs = dict.fromkeys(("recording", "role", "file", "sha256", "source"), "")
+    attrs |= {"campaign": "bench", "emulated": "yes"}
     return xr.Dataset({"signal": ("time", volts, {"units": "V"})}, {"time": times}, attrs)
 
 
@@ -220,6 +213,32 @@ def _fitted(angles: Sequence[xr.Dataset], times: Floats) -> tuple[Fit, Uncertain
     pairs: list[Swing] = [(times[part], angle["angle"].values[part]) for angle in angles]
     fit = allowing(fit_jointly(TRUTH, pairs, guess=TRUTH, seen=False, grown=False), pairs, of_angles(angles))
     return fit, uncertainty(fit, pairs)
+
+
+def predict_reading(fit: Fit, known: Uncertainty, times: Any, swing: int = 0) -> tuple[Floats, Floats]:
+    """The reading (rad) of a fitted swing and its standard uncertainty, both of the shape of ``times``, without a sample's noise.
+
+    Parameters
+    ----------
+    fit, known
+        The fit and the ``Uncertainty`` of its values.
+    times
+        In s; the first is that of the swing's release. The same clock is taken to go on.
+    swing
+        Which of the fitted swings.
+    """
+    times = checked_times(times)
+    one = fit.swings[swing]
+    own = [*one.own, *(RELEASE if RELEASE[0] in fit.free else ())]
+    shared = len(fit.free) - len(own) * len(fit.swings)
+    where = np.r_[:shared, shared + swing * len(own) : shared + (swing + 1) * len(own)]
+    release = one.release_angle, one.release_velocity
+    series, slopes = sensitivities(one.model, times, *release, free=[fit.free[i] for i in where])
+    systematic = known.systematic[where][:, :-1]  # all but the clock
+    covariance = known.random[np.ix_(where, where)] + systematic @ systematic.T
+    held = ~np.isfinite(np.diag(covariance))
+    slopes, covariance = slopes[~held], covariance[np.ix_(~held, ~held)]
+    return series, np.sqrt(np.einsum("it,ij,jt->t", slopes, covariance, slopes))
 
 
 def _factor(known: Uncertainty) -> float:
@@ -233,19 +252,11 @@ def _stated(
     """Of each quantity its name, true value, and value and half of the 95 % interval as stated."""
     halves = known.factors * np.sqrt(np.diag(known.covariance))
     for name in TRUTH.parameters:
-        yield (
-            name.replace("_", " "),
-            TRUTH.values[name],
-            fit.model.values[name],
-            float(halves[fit.free.index(name)]),
-        )
+        half = float(halves[fit.free.index(name)])
+        yield name.replace("_", " "), TRUTH.values[name], fit.model.values[name], half
     at = [fit.free.index(name) for name in TRUTH.parameters]
     values = TRUTH.with_values({name: fit.model.values[name] for name in TRUTH.parameters})
     found: dict[str, Quantity] = quantities(values, AT, known.covariance[np.ix_(at, at)])
     for name in ("period", "quality", "decay_time"):
-        yield (
-            name.replace("_", " "),
-            asked[name],
-            found[name].value,
-            _factor(known) * found[name].uncertainty,
-        )
+        half = _factor(known) * found[name].uncertainty
+        yield name.replace("_", " "), asked[name], found[name].value, half

@@ -47,9 +47,7 @@ def planned(settings: Mapping[str, Any], catalogue: Catalogue = SHIPPED) -> list
 
 
 def chunks(settings: Mapping[str, Any], catalogue: Catalogue = SHIPPED) -> dict[str, list[Planned]]:
-    """The planned trials by the name of the chunk that holds them: chunks are computed together, and not shared out anew
-    when more are planned.
-    """
+    """The planned trials by the name of the chunk that holds them: chunks are computed together, and not shared out anew when more are planned."""
     trials, length = planned(settings, catalogue), settings["chunk"]
     return {f"{k:04d}": trials[k * length : (k + 1) * length] for k in range(-(-len(trials) // length))}
 

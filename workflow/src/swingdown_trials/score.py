@@ -1,6 +1,8 @@
-"""Verdicts held against the truth: a row for each trial, and the figures that tell how far verdicts can be trusted."""
+"""Verdicts held against the truth: a row for each trial, the figures that tell how far verdicts can be trusted, and whether the
+probabilities that they tell are right: of the effects told with 90 %, about 90 % are there."""
 
 from collections.abc import Iterable, Mapping
+from itertools import pairwise
 from math import isfinite
 from typing import Any
 
@@ -16,11 +18,15 @@ from swingdown.status import NAMING, REMAINING, Status
 
 from .trial import CORRELATION, Design
 
-_EXCESS = (
-    100.0  # chi-square that one effect of the catalogue leaves, above which a foreign one is not imitated
-)
+# chi-square that one effect of the catalogue leaves, above which a foreign one is not imitated
+_EXCESS = 100.0
 _SEPARABLE = 25.0  # chi-square by which every other effect fails
 _TIE_SET = 4
+_EDGES = (0.01, 0.1, 0.3, 0.7, 0.9, 0.99, 1.0)  # probabilities; less is not told
+_KINDS = {
+    "one in the catalogue": ("single", "pair", "null", "own", "calibrated"),
+    "one that it lacks": ("removed", "foreign"),
+}
 _NEAR, _ERRORS = 0.05, 3.0  # of a value, and standard errors: where an effect is told to be a simpler one
 
 
@@ -40,22 +46,14 @@ def row(
     told = verdict["effects"]
     sets = {one["name"]: {one["name"], *one["tied_with"]} for one in told}
     exact = sorted(sets) == sorted(hidden) and verdict["status"] in NAMING - REMAINING
-    matched = len(sets) == len(hidden) and all(
-        any(one in members for members in sets.values()) for one in hidden
-    )
-    inside = (
-        matched
-        and verdict["status"] in NAMING - REMAINING
-        and all(len(members) <= _TIE_SET for members in sets.values())
-    )
+    among = all(any(one in members for members in sets.values()) for one in hidden)
+    small = all(len(members) <= _TIE_SET for members in sets.values())
+    inside = len(sets) == len(hidden) and among and small and verdict["status"] in NAMING - REMAINING
     covered, intervals = _coverage(_as_told(truth, found, catalogue), verdict) if exact else (0, 0)
     excess = _excess(truth, found, found["rms_rad"])
     # to first order (1 - rho^2) times the chi-square of the hidden effect; what contains it can always do its work
-    rivals = [
-        one
-        for one in found["rms_rad"]
-        if one not in hidden and not set(catalogue.contained_in(one)) & set(hidden)
-    ]
+    others = (one for one in found["rms_rad"] if one not in hidden)
+    rivals = [one for one in others if not set(catalogue.contained_in(one)) & set(hidden)]
     separation = _excess(truth, found, rivals)
     right = {
         "single": inside, "pair": inside, "null": verdict["status"] == Status.CONSISTENT, "own": verdict["status"] == Status.CONSISTENT,
@@ -173,21 +171,12 @@ def summarise(scores):
         ("unknown, all effects not in the catalogue", *_share(pd.concat([kind["removed"], kind["foreign"]])["right"]), ""),
         ("both of two hidden effects", *_share(kind["pair"]["inside"]), "≥ 70 %"),
         ("95 % intervals that hold the true value", *_proportion(covered, intervals), "92–98 %"),
-        ("held-out residual after repair, true noise (median)", _median(repaired["holdout_sigma"]), np.nan, np.nan, len(repaired), "≤ 1.05"),
-        ("CPU seconds a campaign, one effect hidden (median)", _median(kind["single"]["seconds"]), np.nan, np.nan, len(kind["single"]), "≤ 10"),
-        ("CPU seconds a campaign, one effect hidden (95 %)", _quantile(kind["single"]["seconds"]), np.nan, np.nan, len(kind["single"]), ""),
+        ("held-out residual after repair, true noise (median)", repaired["holdout_sigma"].median(), np.nan, np.nan, len(repaired), "≤ 1.05"),
+        ("CPU seconds a campaign, one effect hidden (median)", kind["single"]["seconds"].median(), np.nan, np.nan, len(kind["single"]), "≤ 10"),
+        ("CPU seconds a campaign, one effect hidden (95 %)", kind["single"]["seconds"].quantile(0.95), np.nan, np.nan, len(kind["single"]), ""),
     ]  # fmt: skip
-    return pd.DataFrame(
-        [one for one in rows if one[4]], columns=["figure", "value", "low", "high", "n", "asked"]
-    )
-
-
-def _median(column):
-    return float(column.median()) if len(column) else np.nan
-
-
-def _quantile(column):
-    return float(column.quantile(0.95)) if len(column) else np.nan
+    told = ["figure", "value", "low", "high", "n", "asked"]
+    return pd.DataFrame([one for one in rows if one[4]], columns=told)
 
 
 def _share(flags):
@@ -199,6 +188,32 @@ def _proportion(count, n):
         return np.nan, np.nan, np.nan, 0
     interval = binomtest(count, n).proportion_ci(method="exact")
     return count / n, float(interval.low), float(interval.high), n
+
+
+def reliability(trials: Iterable[tuple[Mapping[str, Any], Mapping[str, Any]]]) -> pd.DataFrame:
+    """The reliability table of trials, each a (truth, what was found): a row for each band of probability that effects were told
+    with, by whether the hidden effects are in the catalogue.
+
+    Columns ``hidden``, ``from`` and ``to`` (of the band), ``told`` (mean probability), ``n`` (effects told so), ``there`` (the
+    share of them that is hidden) with ``low`` and ``high`` (95 %, Clopper and Pearson). Every effect that a search gave a
+    probability counts, asserted or not.
+    """
+    told = [
+        (truth["kind"], probability, name in truth["hidden"])
+        for truth, found in trials
+        for name, probability in found["verdict"]["probabilities"].items()
+    ]
+    rows = []
+    for label, kinds in _KINDS.items():
+        of_kind = [(probability, there) for kind, probability, there in told if kind in kinds]
+        for low, high in pairwise(_EDGES):
+            inside = [one for one in of_kind if low <= one[0] and (one[0] < high or high == _EDGES[-1])]
+            if not inside:
+                continue
+            share, *limits, n = _proportion(sum(there for _, there in inside), len(inside))
+            mean = sum(probability for probability, _ in inside) / n
+            rows.append((label, low, high, mean, n, share, *limits))
+    return pd.DataFrame(rows, columns=["hidden", "from", "to", "told", "n", "there", "low", "high"])
 
 
 def guard(scores):

@@ -90,9 +90,12 @@ class Pendulum:
         mu, w2 = self.p["pivot_mass_ratio"], self.p["pivot_frequency"]
         support = mu * v * v * sin(th) - 2 * self.p["pivot_damping_ratio"] * w2 * w_q - w2 * w2 * q
         determinant = mass - mu * cos(th) ** 2
-        return (torque - cos(th) * support) / determinant, (
-            mass * support - mu * cos(th) * torque
-        ) / determinant
+        of_angle, of_pivot = torque - cos(th) * support, mass * support - mu * cos(th) * torque
+        return of_angle / determinant, of_pivot / determinant
+
+    def from_rest(self, t, y, s, kinks):
+        """The angular acceleration with which it leaves rest in the direction s."""
+        return self.accelerations(t, y[0], 0.0, y[2], y[3], s, kinks)[0]
 
     def kinks(self):
         """The functions of (th, v) whose sign matters besides that of the velocity, by name."""
@@ -112,10 +115,9 @@ class Pendulum:
 
     def way_from_rest(self, t, y, came, kinks):
         """The direction in which it leaves rest, the one opposite to where it came from first; 0 where friction holds it."""
-        free = {s: self.accelerations(t, y[0], 0.0, y[2], y[3], s, kinks)[0] for s in (1, -1)}
         if self.wound:  # the wound-up friction is the same whichever way it leaves
             self.th_start = y[0]
-            free = {s: self.accelerations(t, y[0], 0.0, y[2], y[3], s, kinks)[0] for s in (1, -1)}
+        free = {s: self.from_rest(t, y, s, kinks) for s in (1, -1)}
         for s in (-came, came) if came else ((1, -1) if free[1] + free[-1] >= 0 else (-1, 1)):
             if s * free[s] > 0:
                 return s
@@ -145,9 +147,7 @@ def _first_event(pendulum, t, y, end, s, kinks, samples):
         return s * state[1] if time > t + 1e-8 else 1.0
 
     def freed(time, state):
-        up, down = (
-            p.accelerations(time, state[0], 0.0, state[2], state[3], way, kinks)[0] for way in (1, -1)
-        )
+        up, down = (p.from_rest(time, state, way, kinks) for way in (1, -1))
         return max(up, -down)
 
     def crossing(name):
@@ -175,13 +175,8 @@ def _first_event(pendulum, t, y, end, s, kinks, samples):
     ended = next((k for k, found in enumerate(done.t_events) if found.size), None)
     last = done.t[-1]
     inside = samples[(samples >= t) & (samples <= last)]
-    return (
-        done.sol(inside)[[0, 4, 1]] if inside.size else np.empty((3, 0)),
-        last,
-        done.y[:, -1],
-        ended,
-        list(switch),
-    )
+    found = done.sol(inside)[[0, 4, 1]] if inside.size else np.empty((3, 0))
+    return found, last, done.y[:, -1], ended, list(switch)
 
 
 def trajectory(  # noqa: PLR0913
@@ -206,13 +201,11 @@ def trajectory(  # noqa: PLR0913
     """
     effects = tuple(effects)
     if unknown := [name for name in effects if name not in KNOWN and name not in (twins or {})]:
-        raise InputError(
-            f"effect {unknown[0]!r}", "the second pendulum does not know it", ", ".join(sorted(KNOWN))
-        )
+        problem = "the second pendulum does not know it"
+        raise InputError(f"effect {unknown[0]!r}", problem, ", ".join(sorted(KNOWN)))
     if reading == "rate" and (other := sorted(_OF_ANGLES & set(effects))):
-        raise InputError(
-            f"effect {other[0]!r}", "a gyroscope does not have it", "an effect of the motion, gain or zero"
-        )
+        problem = "a gyroscope does not have it"
+        raise InputError(f"effect {other[0]!r}", problem, "an effect of the motion, gain or zero")
     stamped = np.asarray(times, dtype=float) - times[0]
     duration = float(stamped[-1])
     true = stamped + (values["clock_drift"] * stamped**2 / duration if "clock_drift" in effects else 0.0)
@@ -245,7 +238,7 @@ def trajectory(  # noqa: PLR0913
         if ended is None:
             break
         if s == 0:
-            up, down = (pendulum.accelerations(t, y[0], 0.0, y[2], y[3], way, kinks)[0] for way in (1, -1))
+            up, down = (pendulum.from_rest(t, y, way, kinks) for way in (1, -1))
             s = 1 if up > -down else -1
         elif ended == 0:
             pieces.append((t, y[0], None))

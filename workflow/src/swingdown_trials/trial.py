@@ -30,9 +30,7 @@ BASE = BASES["sine"]
 NOISES = ("white", "coloured", "steps")
 _WITHIN = 0.58  # rad, that swings stay within of which a calibrated sensor reads 72 degrees in all
 _CROSSINGS = 6  # of the middle, that a swing must make at least
-OWN_FREQUENCY = (
-    1e-3  # standard deviation of what swings of a pendulum that was taken down between them differ by
-)
+OWN_FREQUENCY = 1e-3  # standard deviation, of swings of a pendulum that was taken down between them
 CORRELATION = 0.5  # of neighbouring samples of coloured noise
 MEMORY = 0.2  # s, of slow noise, which is in no schedule
 STEP = 2.0  # of noise in steps, in units of its whole standard deviation (an encoder's steps and little else)
@@ -108,11 +106,8 @@ class Planned(NamedTuple):
 def hideable(catalogue: Catalogue, design: Design = USUAL) -> tuple[str, ...]:
     """The names of the effects that can be hidden beside a design's base: all others that the second pendulum knows and that make
     sense with what pulls back."""
-    return tuple(
-        e.name
-        for e in catalogue.of(design.reading)
-        if e.name not in design.base and e.beside in ("", design.restoring) and _known(e)
-    )
+    others = (e for e in catalogue.of(design.reading) if e.name not in design.base and _known(e))
+    return tuple(e.name for e in others if e.beside in ("", design.restoring))
 
 
 def _known(effect: Effect) -> bool:
@@ -199,12 +194,8 @@ def with_misfit(trial: Trial, seed: int, misfit: float) -> Trial:
 
 
 def _draw_shape(
-    rng: np.random.Generator,
-    name: str,
-    catalogue: Catalogue,
-    values: dict[str, float],
-    own: Sequence[dict[str, float]],
-) -> None:
+    rng: np.random.Generator, name: str, catalogue: Catalogue, values: dict[str, float], own: Sequence[dict[str, float]]
+) -> None:  # fmt: skip
     """Draw all that an effect has beside its size into ``values``, or into each swing's ``own``."""
     if name in FOREIGN:
         for parameter, among in FOREIGN[name].drawn.items():
@@ -257,7 +248,7 @@ def _sized(trial: Trial, name: str, sign: float, catalogue: Catalogue) -> Trial:
     """The trial with the effect's size such that the base model, fitted to it alone without noise, leaves what it should."""
     if name not in FOREIGN:
         check_known([name], catalogue)
-    target = trial.sigma * np.sqrt(trial.ratio**2 - 1)
+    target, asked = trial.sigma * np.sqrt(trial.ratio**2 - 1), f"{trial.ratio} times the noise"
     parameter, typical, largest = _size(name, catalogue)
     low, high, size = 0.0, np.inf, typical / 3
     for _ in range(14):
@@ -272,13 +263,9 @@ def _sized(trial: Trial, name: str, sign: float, catalogue: Catalogue) -> Trial:
         step = np.clip(target / left if left > 0 else 8.0, 0.15, 8.0)
         size = size * step if low < size * step < high else (low + high) / 2 if high < np.inf else 2 * size
         if size > largest:
-            raise ArithmeticError(
-                f"{name} would have to be beyond {largest} to leave {trial.ratio} times the noise"
-            )
+            raise ArithmeticError(f"{name} would have to be beyond {largest} to leave {asked}")
     if not 0.5 < left / target < 2:
-        raise ArithmeticError(
-            f"{name}: no size leaves {trial.ratio} times the noise (nearest {left / target:.2g} of it)"
-        )
+        raise ArithmeticError(f"{name}: no size leaves {asked} (nearest {left / target:.2g} of it)")
     reached = float(np.sqrt(trial.reached**2 + (left / trial.sigma) ** 2))
     return replace(trial, values=one.values, reached=reached)
 
@@ -332,7 +319,8 @@ def _apart(
     rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=[*map(ord, trial.name), 1]))
     sigma = trial.sigma / (SLOPE if sensor else 1.0)
     for k in range(trial.design.swings):
-        clean = _read(_swing(trial, (*trial.hidden, *trial.beside), k, times, catalogue), sensor)
+        clean = _swing(trial, (*trial.hidden, *trial.beside), k, times, catalogue)
+        clean = clean if sensor is None else sensor.volts(clean)
         white = rng.standard_normal(times.size + 100)
         if correlation := _correlation(trial):
             new = np.sqrt(1 - correlation**2)
@@ -348,10 +336,6 @@ def _correlation(trial: Trial) -> float:
     """That of neighbouring samples of a trial's noise."""
     slow = float(np.exp(-1 / (MEMORY * trial.design.rate)))
     return {"coloured": CORRELATION, "slow": slow}.get(trial.noise, 0.0)
-
-
-def _read(angle: Floats, sensor: Bench | None) -> Floats:
-    return angle if sensor is None else sensor.volts(angle)
 
 
 def write_trial(
@@ -370,11 +354,8 @@ def write_trial(
     rows, noise, sensor = [], [], None
     if trial.kind == "calibrated":
         if apparatus is None:
-            raise InputError(
-                f"trial {trial.name}",
-                "its sensor has no apparatus to be calibrated with",
-                "an apparatus sheet",
-            )
+            problem = "its sensor has no apparatus to be calibrated with"
+            raise InputError(f"trial {trial.name}", problem, "an apparatus sheet")
         sensor = bench_of(trial, seed, apparatus)
         sensor.calibration.attrs["campaigns"] = name
         dataset.write(sensor.calibration, calibration_of(folder, name))
@@ -382,15 +363,8 @@ def write_trial(
     for k, (times, clean, away) in enumerate(_apart(trial, seed, catalogue, sensor), 1):
         path = Path(folder) / f"{name}-{k}.csv"
         write_csv(pd.DataFrame({"t_s": times, column: clean + away}), path, float_format="%.7g")
-        rows.append(
-            {
-                "recording": f"{name}-{k}",
-                "campaign": name,
-                "file": str(path.resolve()),
-                "sha256": checksum(path),
-                **({"signal_unit": "V"} if sensor else {}),
-            }
-        )
+        row = {"recording": f"{name}-{k}", "campaign": name, "file": str(path.resolve())}
+        rows.append(row | {"sha256": checksum(path)} | ({"signal_unit": "V"} if sensor else {}))
         noise.append(float(np.sqrt(np.mean(away**2))) * (SLOPE if sensor else 1.0))
     return rows, asdict(trial) | {"noise_rms_rad": noise, "samples": times.size}
 

@@ -109,12 +109,8 @@ def from_means(
         "monte-carlo": modes.monte_carlo(chain, apparatus, read.noise, draws, seed),
     }
     dataset = layout.dataset(apparatus, points, results, read, chain, used)
-    dataset.attrs |= {
-        "apparatus": apparatus["name"],
-        "campaigns": ",".join(apparatus["campaigns"]),
-        "draws": draws,
-        "seed": seed,
-    }
+    dataset.attrs |= {"apparatus": apparatus["name"], "campaigns": ",".join(apparatus["campaigns"])}
+    dataset.attrs |= {"draws": draws, "seed": seed}
     return dataset, results["gum"].propagation
 
 
@@ -135,13 +131,9 @@ def tower(apparatus: Apparatus, number: int) -> xr.Dataset:
     """
     point = apparatus["points"][number - 1]
     stated = {name: cell for name, cell in point.items() if name in COLUMNS}
-    known = {
-        "recording": f"tower_{number}",
-        "campaign": apparatus["campaigns"][0],
-        "signal_unit": "V",
-        "role": "static",
-    }
-    return ingest(COLUMNS | {"time_unit": "s"} | stated | known, f"{apparatus['path']}, key points[{number}]")
+    named = {"recording": f"tower_{number}", "campaign": apparatus["campaigns"][0]}
+    row = COLUMNS | {"time_unit": "s"} | stated | named | {"signal_unit": "V", "role": "static"}
+    return ingest(row, f"{apparatus['path']}, key points[{number}]")
 
 
 def _mean_at_rest(rest: xr.Dataset | None) -> Mean | None:

@@ -1,6 +1,4 @@
-"""The whole measurement as one function of its inputs: lengths and voltages, to angles, to the line, to an
-angle.
-"""
+"""The whole measurement as one function of its inputs: lengths and voltages, to angles, to the line, to an angle."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -61,9 +59,7 @@ class Chain:
 
     @cached_property
     def covariance_of_points(self) -> tuple[Floats, Floats]:
-        """Covariances of the points' voltages (V^2, diagonal) and of their angles (rad^2, from the shared
-        lengths).
-        """
+        """Covariances of the points' voltages (V^2, diagonal) and of their angles (rad^2, from the shared lengths)."""
         geometry = propagate_gum(_angles, self.inputs[: 4 + self.points])
         u = np.array([i.standard_uncertainty for i in self.inputs])
         return np.diag(u[self.part("voltages")] ** 2 + u[self.part("encoder")] ** 2), geometry.covariance
@@ -71,14 +67,11 @@ class Chain:
     @cached_property
     def line(self) -> Line:
         """The line through the points, by generalised least squares."""
-        return fit_line_correlated(
-            self.voltages(self.values), self.angles(self.values), *self.covariance_of_points
-        )
+        volts, angles = self.voltages(self.values), self.angles(self.values)
+        return fit_line_correlated(volts, angles, *self.covariance_of_points)
 
     def __call__(self, x: Floats) -> Floats:
-        """``OUTPUTS`` along the first axis: rad, rad/V, V, rad, rad. The line's weights are the same for
-        every draw.
-        """
+        """``OUTPUTS`` along the first axis: rad, rad/V, V, rad, rad. The line's weights are the same for every draw."""
         cov_voltage, cov_angle = self.covariance_of_points
         weight = np.linalg.inv(cov_angle + self.line.slope**2 * cov_voltage)
         volts, angles = np.moveaxis(self.voltages(x), 0, -1), np.moveaxis(self.angles(x), 0, -1)
@@ -89,17 +82,13 @@ class Chain:
         else:
             rest = -intercept / slope
         errors = x[self.part("sample")]
-        at = [
-            slope * (volts + errors[2 * k] + errors[2 * k + 1] - rest)
-            for k, volts in enumerate(self.sample_voltages)
-        ]
+        pairs = zip(self.sample_voltages, errors[::2], errors[1::2], strict=True)
+        at = [slope * (volts + encoder + noise - rest) for volts, encoder, noise in pairs]
         return np.stack(np.broadcast_arrays(intercept, slope, rest, *at))
 
 
 def lengths(apparatus: Apparatus) -> tuple[list[Input], Callable[[Floats], Floats]]:
-    """The Inputs (shared lengths, then heights) and the function from an array of them to the points' angles
-    (rad).
-    """
+    """The Inputs (shared lengths, then heights) and the function from an array of them to the points' angles (rad)."""
     shared, heights = length_inputs(apparatus)
     return [*shared, *heights], _angles
 
@@ -138,10 +127,8 @@ def measurement(
     inputs += [mean(f"mean_voltage_{k}", found) for k, found in enumerate(towers, 1)]
     inputs += [encoder(f"encoder_error_{k}", found.value) for k, found in enumerate(towers, 1)]
     if rest is not None:
-        inputs += [
-            mean("rest_voltage", rest),
-            from_limit("angle_of_rest", 0.0, apparatus["rest"]["limit"], unit="rad"),
-        ]
+        inputs += [mean("rest_voltage", rest)]
+        inputs += [from_limit("angle_of_rest", 0.0, apparatus["rest"]["limit"], unit="rad")]
     bare = Chain(tuple(inputs), n, rest is not None, ())
     slope = bare.line.slope
     zero = rest.value if rest is not None else -bare.line.intercept / slope

@@ -66,10 +66,9 @@ def paper(apparatus: Apparatus, chain: Chain, still: Mean | None) -> SimpleNames
     x, y = chain.voltages(chain.values), chain.angles(chain.values)
     lengths = chain.values[:4]
     limits = [i.limit for i in chain.inputs[:4]]
+    heights = [(p["height"], p["limit"]) for p in apparatus["points"]]
     bounds, worst = (
-        np.array(
-            [printed_bound(lengths, limits, p["height"], p["limit"], signed) for p in apparatus["points"]]
-        )
+        np.array([printed_bound(lengths, limits, *height, signed) for height in heights])
         for signed in (True, False)
     )
     volts = encoder_limit(apparatus, x)
@@ -132,12 +131,8 @@ def monte_carlo(chain: Chain, apparatus: Apparatus, noise: float, draws: int, se
     angles = chain.angles(drawn)
     possible = ~np.isnan(angles).any(axis=0)
     if possible.sum() < draws / 2:
-        raise InputError(
-            apparatus["path"],
-            "most draws of the lengths are impossible",
-            "lengths that fit together",
-            "measure them again",
-        )
+        problem = "most draws of the lengths are impossible"
+        raise InputError(apparatus["path"], problem, "lengths that fit together", "measure them again")
     drawn = drawn[:, possible]
     outputs = chain(drawn)
     intercept, slope, rest = outputs[:3]
@@ -153,12 +148,8 @@ def monte_carlo(chain: Chain, apparatus: Apparatus, noise: float, draws: int, se
         columns.append(np.array([total.mean(axis=1), total.std(axis=1, ddof=1), low, high]))
     grid = np.concatenate(columns, axis=1)
     volts_box, angle_box = chain.voltages(drawn).std(axis=1, ddof=1), angles[:, possible].std(axis=1, ddof=1)
-    line = replace(
-        chain.line,
-        intercept=float(intercept.mean()),
-        slope=float(slope.mean()),
-        covariance=np.cov(outputs[:2]),
-    )
+    middle, tilt = float(intercept.mean()), float(slope.mean())
+    line = replace(chain.line, intercept=middle, slope=tilt, covariance=np.cov(outputs[:2]))
     ratio = (grid[3] - grid[2]) / 2 / grid[1]
     return SimpleNamespace(
         line=line, values=outputs[:3].mean(axis=1), covariance=np.cov(outputs[:3]), factor=float(np.median(ratio)),

@@ -4,5 +4,5 @@
 samples, ``order`` puts them on the device's clock and finds what is missing, ``trigger`` finds the release, ``recorder`` tells how
 it ended, ``clocks`` and ``verdict`` what speaks against it. ``journal`` keeps every byte on disk as it arrives, ``recording`` ties
 these together for one recording and ``session`` for several (``takes``, ``job``: what is asked for; ``guide``: prompts), ``take``
-and ``sheets`` write it; ``monitor`` and ``live`` (``swing``: in numbers) show it. Only here is a serial port opened.
+and ``sheets`` write it; ``monitor`` and ``live`` show it. Only here is a serial port opened.
 """

@@ -100,12 +100,9 @@ class Lines:
         clocks = [name for name in self.columns if name.startswith("time_") and unit_of(name, TIME_UNITS)]
         self._clock = clocks[0] if clocks else None
         if not self._clock and "sequence" not in self.columns:
-            raise InputError(
-                where,
-                f"none of {', '.join(self.columns) or '(no column)'} says when a sample was taken",
-                "a column sequence, time_s, time_ms or time_us",
-                "let the sketch print millis() before the value and name that column time_ms",
-            )
+            problem = f"none of {', '.join(self.columns) or '(no column)'} says when a sample was taken"
+            mend = "let the sketch print millis() before the value and name that column time_ms"
+            raise InputError(where, problem, "a column sequence, time_s, time_ms or time_us", mend)
         others = [name for name in self.columns if name not in (*clocks, "sequence", "crc")]
         self._signal = settings.get("signal_column") or (others[0] if len(others) == 1 else None)
         if self._signal not in others:
@@ -231,7 +228,6 @@ def parser(settings):
     """A new parser of the wire format that the config's ``capture`` names; InputError if there is no such format."""
     name = settings["format"]
     if name not in FORMATS:
-        raise InputError(
-            "capture.format", f"unknown wire format {name!r}", ", ".join(FORMATS), near(name, FORMATS)
-        )
+        problem = f"unknown wire format {name!r}"
+        raise InputError("capture.format", problem, ", ".join(FORMATS), near(name, FORMATS))
     return FORMATS[name](settings)

@@ -56,41 +56,25 @@ def job(config: dict, again: bool = False) -> Job:
         )
     if height is not None:
         if not config.get("apparatus"):
-            raise InputError(
-                "config, key height",
-                "no apparatus sheet is named",
-                "one, with the lengths",
-                "set `apparatus`",
-            )
+            problem = "no apparatus sheet is named"
+            raise InputError("config, key height", problem, "one, with the lengths", "set `apparatus`")
         sheet = sheets.own(config["apparatus"], "apparatus")
         if not sheet.is_file():
-            raise InputError(
-                sheet,
-                "there is no such apparatus sheet",
-                "an apparatus sheet with the measured lengths",
-                "write it first",
-            )
+            problem = "there is no such apparatus sheet"
+            raise InputError(sheet, problem, "an apparatus sheet with the measured lengths", "write it first")
     else:
         sheet = sheets.own(config.get("recordings") or "recordings.csv", "recordings")
-    made = Job(
-        name,
-        settings,
-        {"recording": name, "campaign": settings["campaign"], "role": config.get("role", "")},
-        sheet,
-        height,
-    )
+    about = {"recording": name, "campaign": settings["campaign"], "role": config.get("role", "")}
+    made = Job(name, settings, about, sheet, height)
     if not config.get("recover") and not (again and made.path.exists()):
         take.check_absent(made.path)
         try:
             FOLDER.mkdir(parents=True, exist_ok=True)
             enter(made, "0" * 64, rehearse=True)
         except PermissionError as error:
-            raise InputError(
-                error.filename or sheet,
-                "you may not write to it",
-                "a folder of your own",
-                "name another with --directory",
-            ) from error
+            problem = "you may not write to it"
+            mend = "name another with --directory"
+            raise InputError(error.filename or sheet, problem, "a folder of your own", mend) from error
     return made
 
 
@@ -110,12 +94,9 @@ def enter_whole(job):
     except (InputError, OSError) as error:
         entry = _point(job, digest) if job.height is not None else _row(job, digest)
         by_hand = ", ".join(f"{key}: {cell}" for key, cell in entry.items() if cell not in ("", None))
-        raise InputError(
-            job.sheet,
-            f"the recording is whole ({job.path}) but could not be entered: {getattr(error, 'problem', error)}",
-            "a sheet that takes one more entry",
-            f"mend the sheet and add by hand: {by_hand}",
-        ) from error
+        problem = f"the recording is whole ({job.path}) but could not be entered: {getattr(error, 'problem', error)}"
+        mend = f"mend the sheet and add by hand: {by_hand}"
+        raise InputError(job.sheet, problem, "a sheet that takes one more entry", mend) from error
 
 
 def _row(job, digest):

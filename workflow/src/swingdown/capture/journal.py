@@ -67,10 +67,8 @@ def read_journal(path):
             except OSError as error:
                 if error.errno not in (errno.EWOULDBLOCK, errno.EACCES):
                     raise
-                problem, mend = (
-                    "a capture of this name is still running",
-                    "wait for it, or stop it with Ctrl-C",
-                )
+                problem = "a capture of this name is still running"
+                mend = "wait for it, or stop it with Ctrl-C"
                 raise InputError(path, problem, "one at a time", mend, RUNNING) from None
             settings = json.loads(file.readline())
             pieces = []
@@ -78,18 +76,14 @@ def read_journal(path):
                 arrival, length = _HEAD.unpack(head)
                 pieces.append((arrival, file.read(length)))
     except FileNotFoundError:
-        raise InputError(
-            path,
-            "there is no raw stream to recover",
-            "the raw stream that a killed capture leaves",
-            "nothing has to be recovered",
-        ) from None
-    except ValueError as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError(
-            path, "it does not begin as a raw stream does", "what a capture wrote", "delete it"
-        ) from None
+        problem = "there is no raw stream to recover"
+        expected = "the raw stream that a killed capture leaves"
+        raise InputError(path, problem, expected, "nothing has to be recovered") from None
+    except InputError:
+        raise
+    except ValueError:
+        problem = "it does not begin as a raw stream does"
+        raise InputError(path, problem, "what a capture wrote", "delete it") from None
     return settings, pieces
 
 
@@ -100,12 +94,9 @@ def in_the_way(path: Path) -> InputError:
     except InputError as error:
         if error.code == RUNNING:
             return error
-    return InputError(
-        path,
-        "an earlier capture of this name did not finish; this file holds what had arrived",
-        "no raw stream of that name",
-        f"{recovery(path)} makes a recording of it; or delete the file",
-    )
+    problem = "an earlier capture of this name did not finish; this file holds what had arrived"
+    mend = f"{recovery(path)} makes a recording of it; or delete the file"
+    return InputError(path, problem, "no raw stream of that name", mend)
 
 
 def recovery(path: Path) -> str:

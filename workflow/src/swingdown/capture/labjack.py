@@ -63,9 +63,8 @@ def connect(settings: dict) -> Stream:
     try:
         handle = ljm.openS(device, "ANY", identifier)
     except ljm.LJMError as error:
-        raise _error(
-            f"{where} cannot be opened ({error})", "plug it in, close other programs that use it (Kipling)"
-        ) from error
+        problem = f"{where} cannot be opened ({error})"
+        raise _error(problem, "plug it in, close other programs that use it (Kipling)") from error
     try:
         positive, _, negative = channel.partition("-")
         if negative:
@@ -77,9 +76,8 @@ def connect(settings: dict) -> Stream:
         rate = ljm.eStreamStart(handle, scans, 1, [address], settings["rate_hz"])
     except ljm.LJMError as error:
         ljm.close(handle)
-        raise _error(
-            f"{where} refuses the stream ({error})", "correct the channel, capture.rate_hz or capture.range"
-        ) from error
+        problem = f"{where} refuses the stream ({error})"
+        raise _error(problem, "correct the channel, capture.rate_hz or capture.range") from error
     return Stream(ljm, handle, where, rate, scans)
 
 
@@ -89,15 +87,11 @@ def _library():
 
         ljm.readLibraryConfigS("LJM_LIBRARY_VERSION")
     except ImportError as error:
-        raise _error(
-            "LabJack's Python package is not here", "pip install labjack-ljm (and LabJack's LJM library)"
-        ) from error
-    except (
-        Exception
-    ) as error:  # the package is there and finds no library: it raises its own error at the first call
-        raise _error(
-            f"LabJack's LJM library cannot be used ({error})", "install LJM from LabJack's site"
-        ) from error
+        problem = "LabJack's Python package is not here"
+        raise _error(problem, "pip install labjack-ljm (and LabJack's LJM library)") from error
+    except Exception as error:  # the package is there and finds no library: it is told at the first call
+        problem = f"LabJack's LJM library cannot be used ({error})"
+        raise _error(problem, "install LJM from LabJack's site") from error
     return ljm
 
 

@@ -1,14 +1,20 @@
-"""What the experimenter sees in the terminal while a swing is recorded: how many samples, how fast, what is lost, the trace."""
+"""What the experimenter sees in the terminal while a swing is recorded: samples, their rate and losses, the trace, the swing in numbers."""
 
 import os
 import re
 import shutil
 import sys
 import time
+from typing import NamedTuple
 
+import numpy as np
+import numpy.typing as npt
+
+from ..pendulum.half_swings import middle_crossings
 from .order import losses
-from .swing import MANY, measure
 
+MANY = 10  # swings that the loss is told over
+_CLEAR = 6  # standard deviations of the noise that a swing's amplitude must have to be one
 SECONDS = 10.0  # of the trace
 LATELY = 20.0  # s that amplitude, period and loss are told from
 MOST = 3000  # samples of them that are looked at
@@ -62,6 +68,41 @@ def measured(recorder, seconds):
     if swing.loss is not None:
         parts.append(f"each swing loses {swing.loss:.2%}, over the last {MANY}")
     return " | ".join(parts)
+
+
+class Swing(NamedTuple):
+    """The last whole swing, to and fro."""
+
+    amplitude: float  # half of highest less lowest, in the signal's unit
+    period: float  # s, mean of the last swings, ten at most
+    swings: int  # whole ones so far
+    loss: float | None  # part of the amplitude that a swing loses, over the last ten; None before
+
+
+def measure(times: npt.ArrayLike, values: npt.ArrayLike, noise: float = 0.0) -> Swing | None:
+    """The amplitude and period of a swing, or None where nothing swings clearly above the noise.
+
+    Parameters
+    ----------
+    times, values
+        In s and the signal's unit, both of shape (sample,).
+    noise
+        Standard deviation, in the signal's unit.
+    """
+    times, values = np.asarray(times, float), np.asarray(values, float)
+    if len(values) < 8:
+        return None
+    away = values - (np.max(values) + np.min(values)) / 2
+    if np.max(np.abs(away)) < max(_CLEAR * noise, 1e-12):
+        return None
+    crossings, extremes = middle_crossings(times, away)
+    count = (len(crossings) - 1) // 2
+    if count < 1:
+        return None
+    at, halves = crossings[::-2][::-1], extremes[len(extremes) - 2 * count :].reshape(count, 2)
+    sizes, last = halves.mean(axis=1), min(count, MANY)
+    loss = float(1 - (sizes[-1] / sizes[-1 - MANY]) ** (1 / MANY)) if count > MANY else None
+    return Swing(float(sizes[-1]), float((at[-1] - at[-1 - last]) / last), count, loss)
 
 
 def recent(recorder, seconds=SECONDS):

@@ -67,7 +67,9 @@ class Monitor:
             found.append(self._rates())
             if swing := measured(recorder, KEEP):
                 found.append(swing)
-            found += self._ends()
+            if count := saturated(recorder, rows):
+                low, high = self.settings["range"]
+                found.append(f"SATURATED: {count} of the last samples are at the end of {low:g} to {high:g}")
             found += trace_of(recorder, _WIDTH) if trace else []
         return found
 
@@ -80,22 +82,12 @@ class Monitor:
         lost = "{} lost, {} damaged".format(*losses(recorder.order.missing))
         return " | ".join([*parts, f"rate_hz {recorder.rate:g}", lost])
 
-    def _ends(self):
-        if not (limits := self.settings.get("range")):
-            return []
-        count = saturated([row.value * self.recorder.scale for row in self.recorder.order.rows], limits)
-        told = f"SATURATED: {count} of the last samples are at the end of {limits[0]:g} to {limits[1]:g}"
-        return [told] if count else []
-
 
 def went_away(opened, error, before="", then=""):
     """What is told where the source went away: ``before`` which recording, and what the same command does ``then``."""
-    return InputError(
-        f"capture.port, {opened.name}",
-        f"the port went away{before} ({error or type(error).__name__})",
-        "a board that stays plugged in",
-        f"plug it in and run the same command again{then}",
-    )
+    problem = f"the port went away{before} ({error or type(error).__name__})"
+    mend = f"plug it in and run the same command again{then}"
+    return InputError(f"capture.port, {opened.name}", problem, "a board that stays plugged in", mend)
 
 
 def angle_of(settings):

@@ -113,9 +113,8 @@ class Order:
 
     def _odd(self, sample, arrival):
         """No row: the sample cannot be reached from the last."""
-        if self._strange and not self._step(
-            self._strange[-1][0], sample, arrival - self._strange[-1][1], self.clock_step
-        ):
+        last, at = self._strange[-1] if self._strange else (None, arrival)
+        if last and not self._step(last, sample, arrival - at, self.clock_step):
             self._strange.clear()
         self._strange.append((sample, arrival))
         self.restarted = len(self._strange) >= ANEW

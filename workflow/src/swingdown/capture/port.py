@@ -42,27 +42,18 @@ def find(name):
         if len(boards) == 1:
             return boards[0]
         several = f"no port is named, and {len(boards) or 'no'} boards are plugged in"
-        raise _error(
-            several,
-            "set capture.port in the config to one of them"
-            if boards
-            else "plug it in, or name the port that it has (capture.port)",
-        )
+        mend = "set capture.port in the config to one of them"
+        raise _error(several, mend if boards else "plug it in, or name the port that it has (capture.port)")
     name = str(name)
     if "://" in name:
         if name.partition("://")[0] not in _SCHEMES:
-            raise _error(
-                f"{name} is no port that can be opened",
-                f"name a path, VID:PID, or {' or '.join(f'{one}://HOST:PORT' for one in _SCHEMES)}",
-            )
+            mend = f"name a path, VID:PID, or {' or '.join(f'{one}://HOST:PORT' for one in _SCHEMES)}"
+            raise _error(f"{name} is no port that can be opened", mend)
         return name
     if usb := _USB.fullmatch(name):
         vid, pid, number = int(usb[1], 16), int(usb[2], 16), usb[3]
-        found = [
-            port.device
-            for port in list_ports.comports()
-            if (port.vid, port.pid) == (vid, pid) and number in (None, port.serial_number)
-        ]
+        alike = (port for port in list_ports.comports() if (port.vid, port.pid) == (vid, pid))
+        found = [port.device for port in alike if number in (None, port.serial_number)]
         if len(found) > 1:
             raise _error(f"{len(found)} boards are {name}", "name its serial number too: VID:PID:serial")
         if not found:
@@ -79,9 +70,8 @@ def connect(name, baud):
     try:
         return Port(url, serial.serial_for_url(url, baudrate=baud, timeout=_WAIT, exclusive=True))
     except ValueError as error:
-        raise _error(
-            f"{url} is no port that can be opened ({error})", "correct capture.port or capture.baud"
-        ) from error
+        problem = f"{url} is no port that can be opened ({error})"
+        raise _error(problem, "correct capture.port or capture.baud") from error
     except GONE as error:
         raise _refused(url, error) from error
 
@@ -125,15 +115,11 @@ class Port:
 def _refused(url, error):
     number = getattr(error, "errno", None)
     if number in (errno.EACCES, errno.EPERM):
-        return _error(
-            f"{url} may not be opened by you",
-            "join the group that owns it (sudo usermod -aG dialout $USER) and log in again",
-        )
+        mend = "join the group that owns it (sudo usermod -aG dialout $USER) and log in again"
+        return _error(f"{url} may not be opened by you", mend)
     if number in (errno.EBUSY, errno.EWOULDBLOCK):
-        return _error(
-            f"{url} is in use by another program",
-            f"close it (a serial monitor, another capture); `fuser {url}` names it",
-        )
+        problem = f"{url} is in use by another program"
+        return _error(problem, f"close it (a serial monitor, another capture); `fuser {url}` names it")
     return _error(f"{url} cannot be opened ({error})", "check the cable and capture.port")
 
 

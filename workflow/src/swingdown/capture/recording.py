@@ -68,14 +68,8 @@ def record(job, opened, listener, views=(), stop=None):
     if opened.what:
         about["remarks"] = [opened.what]
     job = replace(job, settings=settings, about=about)
-    kept = {
-        "settings": settings,
-        "about": about,
-        "opened": began,
-        "height": job.height,
-        "sheet": str(job.sheet),
-    }
-    journal = Journal(job.journal, kept)
+    kept = {"settings": settings, "about": about, "opened": began}
+    journal = Journal(job.journal, kept | {"height": job.height, "sheet": str(job.sheet)})
     recorder = Recorder(settings, began)
     try:
         _run(recorder, listener, journal, views, stop or threading.Event())
@@ -88,10 +82,10 @@ def record(job, opened, listener, views=(), stop=None):
 
 def told_source(settings, name):
     """Where a recording comes from, as an attribute of it."""
-    what = (
-        "an emulated board; no real apparatus was recorded" if settings["emulated"] else "its owner's board"
-    )
-    return f"captured from {name}: {what}"
+    board = "its owner's board"
+    if settings["emulated"]:
+        board = "an emulated board; no real apparatus was recorded"
+    return f"captured from {name}: {board}"
 
 
 def recover(job: Job) -> str:
@@ -214,9 +208,8 @@ def told(job, data):
 def _nothing(job, recorder, remove_journal):
     if recorder.status == STOPPED:
         remove_journal()
-        return InputError(
-            "capture", "stopped before anything was recorded", "a release", "run the same command again"
-        )
+        problem = "stopped before anything was recorded"
+        return InputError("capture", problem, "a release", "run the same command again")
     rows = recorder.order.rows
     if rows:
         values = [row.value * recorder.scale for row in rows]

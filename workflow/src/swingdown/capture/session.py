@@ -38,12 +38,9 @@ def run(jobs, guide, views=(), stop=None, leave=None, say=print):
     wanted = [job for job in jobs if not job.path.exists()]
     unfinished = [job for job in wanted if job.journal.exists()]
     if not wanted:
-        raise InputError(
-            "config, key recording",
-            f"all {len(jobs)} recordings are there already, and no recording is ever overwritten",
-            "a recording that is not there yet",
-            "choose other names",
-        )
+        problem = f"all {len(jobs)} recordings are there already, and no recording is ever overwritten"
+        expected = "a recording that is not there yet"
+        raise InputError("config, key recording", problem, expected, "choose other names")
     for job in jobs:
         if job not in wanted:
             say(f"{job.name}: there already, and left as it is")
@@ -57,7 +54,9 @@ def run(jobs, guide, views=(), stop=None, leave=None, say=print):
     try:
         for number, job in enumerate(asked_for, 1):
             text = f"{job.name} ({number} of {len(asked_for)}): {asked(job)}"
-            if not guide.prompt(text, _waits(job), _looker(job, opened, listener)):
+            # where nothing but the experimenter can tell that it may begin
+            waits = job.height is not None or not job.settings.get("trigger")
+            if not guide.prompt(text, waits, _looker(job, opened, listener)):
                 break
             try:
                 say(recording.record(job, opened, listener, views, stop))
@@ -87,11 +86,6 @@ def asked(job):
     return "lift the bob; the recording begins when the countdown ends"
 
 
-def _waits(job):
-    """True where nothing but the experimenter can tell that it may begin."""
-    return job.height is not None or not job.settings.get("trigger")
-
-
 def _looker(job, opened, listener):
     """A function that takes what came meanwhile, and tells the signal in a line."""
     rate = {"rate_hz": opened.rate} if opened.rate else {}
@@ -116,10 +110,7 @@ def _told(wanted, done, failed, gone):
     if left:
         sentence += f"; not yet: {', '.join(left)} (the same command goes on with them)"
     if failed or gone:
-        raise InputError(
-            "config, key recording",
-            f"{sentence}; not whole, or not at all: {', '.join(failed) or 'the port went away'}",
-            "recordings that are whole",
-            "what the lines above say; whole recordings stay",
-        )
+        problem = f"{sentence}; not whole, or not at all: {', '.join(failed) or 'the port went away'}"
+        mend = "what the lines above say; whole recordings stay"
+        raise InputError("config, key recording", problem, "recordings that are whole", mend)
     return sentence

@@ -29,12 +29,9 @@ def own(path, key):
     """The sheet's path in the working directory, there or not; InputError if it is one of the project's and we are elsewhere."""
     found = find(path)
     if found != Path(path) and Path.cwd() != PROJECT:
-        raise InputError(
-            f"config, key {key}",
-            f"{path} is the project's own; what is recorded here does not belong in it",
-            "a sheet in the working directory",
-            f"name one of your own in `{key}` (it is made if it is not there)",
-        )
+        problem = f"{path} is the project's own; what is recorded here does not belong in it"
+        mend = f"name one of your own in `{key}` (it is made if it is not there)"
+        raise InputError(f"config, key {key}", problem, "a sheet in the working directory", mend)
     return Path(path)
 
 
@@ -66,7 +63,8 @@ def add_row(path, row, rehearse=False):
     with _alone(path):
         old = readable(path) if path.exists() else b""
         _check_commas(path, old)
-        header = [cell.strip() for cell in _lines(path)[0]] if old.strip() else list(HEADER)
+        lines = csv.reader(io.StringIO(old.decode("utf-8-sig"), newline=""))
+        header = [cell.strip() for cell in next(lines)] if old.strip() else list(HEADER)
         end = b"\r\n" if b"\r\n" in old else b"\n"
         lacking = [name for name in row if name not in header]
         if not old.strip():
@@ -113,12 +111,9 @@ def readable(path: str | Path) -> bytes:
     if path.is_dir():
         raise InputError(path, "it is a folder", "a file", "name the sheet itself, such as recordings.csv")
     if not path.stat().st_mode & 0o222:
-        raise InputError(
-            path,
-            "it is read-only, and a recording adds a line to it",
-            "a sheet that may be written",
-            f"chmod u+w {path}, or name another sheet",
-        )
+        problem = "it is read-only, and a recording adds a line to it"
+        expected = "a sheet that may be written"
+        raise InputError(path, problem, expected, f"chmod u+w {path}, or name another sheet")
     old = path.read_bytes()
     said = "it is in UTF-16" if old[:2] in (b"\xff\xfe", b"\xfe\xff") or b"\0" in old[:200] else ""
     try:
@@ -128,9 +123,8 @@ def readable(path: str | Path) -> bytes:
     if not said and b"\r" in old.replace(b"\r\n", b""):
         said = "its lines end in CR alone, as those of old Macintosh programs, or within a line"
     if said:
-        raise InputError(
-            path, said, "text in UTF-8 with lines that end in LF or CRLF", "save it again as `CSV UTF-8`"
-        )
+        mend = "save it again as `CSV UTF-8`"
+        raise InputError(path, said, "text in UTF-8 with lines that end in LF or CRLF", mend)
     return old
 
 
@@ -138,17 +132,17 @@ def _check_commas(path, old):
     first = old.decode("utf-8-sig").strip().split("\n")[0]
     for mark, name in ((";", "semicolons"), ("\t", "tabs")):
         if mark in first and "," not in first:
-            raise InputError(
-                f"{path}, line 1",
-                f"its columns are separated by {name}",
-                "commas between the columns",
-                "save it again with commas (a spreadsheet asks for the field separator)",
-            )
+            problem = f"its columns are separated by {name}"
+            mend = "save it again with commas (a spreadsheet asks for the field separator)"
+            raise InputError(f"{path}, line 1", problem, "commas between the columns", mend)
 
 
 def with_point(text, point, path="apparatus sheet"):
     """The text of an apparatus sheet with one more point; all else as it was."""
-    before = _yaml(text, path)
+    before = parse_yaml(text, path)
+    if not isinstance(before, dict):
+        expected, mend = "an apparatus sheet", "write the lengths first"
+        raise InputError(path, "it is no mapping of keys to values", expected, mend)
     cells = yaml.safe_dump(point, sort_keys=False).splitlines()
     entry = [f"{'    ' if k else '  - '}{cell}" for k, cell in enumerate(cells)]
     lines = text.splitlines()
@@ -165,11 +159,8 @@ def with_point(text, point, path="apparatus sheet"):
                 break
             if lines[k].strip() and lines[k][0] in " -":
                 last = k
-        if (
-            last > at
-            and lines[last][0] == "-"
-            or any(line.startswith("- ") for line in lines[at + 1 : last + 1])
-        ):
+        listed = lines[at + 1 : last + 1]
+        if any(line.startswith("- ") for line in listed) or (listed and listed[-1][0] == "-"):
             entry = [line[2:] for line in entry]
         lines[last + 1 : last + 1] = entry
     new = "\n".join(lines) + "\n"
@@ -186,20 +177,6 @@ def with_point(text, point, path="apparatus sheet"):
             "add by hand: " + ", ".join(f"{key}: {value}" for key, value in point.items()),
         )
     return new
-
-
-def _yaml(text, path):
-    content = parse_yaml(text, path)
-    if not isinstance(content, dict):
-        raise InputError(
-            path, "it is no mapping of keys to values", "an apparatus sheet", "write the lengths first"
-        )
-    return content
-
-
-def _lines(path):
-    with open(path, newline="", encoding="utf-8-sig") as file:
-        return list(csv.reader(file)) or [[]]
 
 
 def _line(cells):
@@ -243,12 +220,8 @@ def _replace(path, old, new, rehearse, check=None):
         if check:
             check(temporary)
         if real.exists() and real.read_bytes() != old:
-            raise InputError(
-                path,
-                "another program changed it meanwhile",
-                "no other writer",
-                "run the same command again with `recover=true`, its recording named",
-            )
+            mend = "run the same command again with `recover=true`, its recording named"
+            raise InputError(path, "another program changed it meanwhile", "no other writer", mend)
         if rehearse:
             return
         if real.exists() and not _alike(temporary, real.stat()):

@@ -36,17 +36,14 @@ def to_dataset(recorder, about):
     numbers = np.array([row.position for row in rows], dtype="int64")
     missing = recorder.missing
     variable, arrivals = dataset.variable, [row.arrival for row in rows]
-    arrival = variable(
-        "time", arrivals, "arrival at the host, in Unix time (UTC); jitters and is no time base", "s"
-    )
-    lost, came = (
-        np.array([pair[k] for pair in missing], dtype=kind) for k, kind in enumerate(("int64", "int8"))
-    )
+    arrived = "arrival at the host, in Unix time (UTC); jitters and is no time base"
+    lost = np.array([position for position, _ in missing], dtype="int64")
+    came = np.array([damaged for _, damaged in missing], dtype="int8")
     variables = {
         "sent": variable("time", values, "value as the device sent it", "1"),
         name: variable("time", values * float(recorder.scale), text, unit),
         "sequence": variable("time", numbers, "sequence number of the device, unwrapped"),
-        "arrival": arrival,
+        "arrival": variable("time", arrivals, arrived, "s"),
         "missing_sequence": variable("gap", lost, "sequence number that is missing"),
         "missing_damaged": variable("gap", came, "1 where the frame came damaged, 0 where it never came"),
     }
@@ -118,9 +115,6 @@ def check_absent(path):
 
 
 def _there(path):
-    return InputError(
-        path,
-        "there is a recording of this name, and a recording is never overwritten",
-        "a name that is not taken",
-        "choose another name, or move the file away yourself",
-    )
+    problem = "there is a recording of this name, and a recording is never overwritten"
+    expected = "a name that is not taken"
+    return InputError(path, problem, expected, "choose another name, or move the file away yourself")

@@ -17,17 +17,12 @@ def takes(config: dict) -> list[dict]:
     """
     if config.get("session"):
         if "recording" in config:
-            raise InputError(
-                "config, key session", "recordings are named beside it", "one of the two", "leave one out"
-            )
+            problem = "recordings are named beside it"
+            raise InputError("config, key session", problem, "one of the two", "leave one out")
         asked = (config.get("capture") or {}).get("takes") or []
         if not asked:
-            raise InputError(
-                "config, key capture.takes",
-                "the session has no plan",
-                "a list of recordings",
-                f"write {_PLAN}",
-            )
+            problem = "the session has no plan"
+            raise InputError("config, key capture.takes", problem, "a list of recordings", f"write {_PLAN}")
         where = "config, key capture.takes"
     else:
         where = "config, key recording"
@@ -36,23 +31,16 @@ def takes(config: dict) -> list[dict]:
         more = {key: config[key] for key in ("height", "role", "count") if key in config}
         for key in ("height", "count"):
             if key in more and len(names) > 1:
-                raise InputError(
-                    f"config, key {key}",
-                    f"{len(names)} recordings are named",
-                    f"one recording, with its {key}",
-                    "name one",
-                )
+                problem = f"{len(names)} recordings are named"
+                raise InputError(f"config, key {key}", problem, f"one recording, with its {key}", "name one")
         asked = [{"recording": name, **more} for name in names]
     found = [one for take in asked for one in _counted(take)]
     for number, take in enumerate(found):
         name = take["recording"]
         if not _NAME.fullmatch(name):
-            raise InputError(
-                where,
-                f"{name!r} cannot name a file" if name else "a name is empty",
-                "letters, digits, . _ and -, a letter or digit first",
-                "choose another name",
-            )
+            problem = f"{name!r} cannot name a file" if name else "a name is empty"
+            expected = "letters, digits, . _ and -, a letter or digit first"
+            raise InputError(where, problem, expected, "choose another name")
         if name in [one["recording"] for one in found[:number]]:
             raise InputError(where, f"{name} is there twice", "a name for each", "choose another name")
     return found

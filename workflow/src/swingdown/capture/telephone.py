@@ -15,6 +15,7 @@ import urllib.error
 import urllib.parse
 import urllib.request
 from collections.abc import Mapping, Sequence
+from operator import itemgetter
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -52,10 +53,8 @@ class _Mute(Exception):
 def known(settings: Mapping[str, Any]) -> dict[str, Any]:
     """What of the config's ``capture`` a telephone itself decides: format, unit, no time to settle, and patience with a network."""
     if settings["signal_unit"] not in ("V", UNIT):  # V is what stands there where nobody says anything
-        raise _error(
-            f"a telephone's gyroscope gives {UNIT} and capture.signal_unit is {settings['signal_unit']}",
-            "leave signal_unit out",
-        )
+        problem = f"a telephone's gyroscope gives {UNIT} and capture.signal_unit is {settings['signal_unit']}"
+        raise _error(problem, "leave signal_unit out")
     patient = max(float(settings["timeout_s"]), PATIENCE + 2 * _ANSWER)
     return {"format": "timed", "signal_unit": UNIT, "settle_s": 0.0, "timeout_s": patient}
 
@@ -203,10 +202,10 @@ class _Remote:
     def marks(self) -> list[_Mark]:
         """The starts and pauses of its experiment, since it was cleared."""
         found = self.asked("time")
+        keys = ("event", "experimentTime", "systemTime")
         try:
             return [
-                _Mark(str(one["event"]), float(one["experimentTime"]), float(one["systemTime"]))
-                for one in found
+                _Mark(str(event), float(at), float(when)) for event, at, when in map(itemgetter(*keys), found)
             ]
         except (TypeError, KeyError, ValueError) as problem:
             raise _Mute("an answer without starts and pauses") from problem
@@ -244,10 +243,8 @@ def connect(settings: Mapping[str, Any]) -> Telephone:
         status = remote.status(channel.clock)
         _check_idle(status, remote.name)
         if not (remote.control("clear") and remote.control("start")):
-            raise _error(
-                f"the experiment on {remote.name} does not start",
-                "start it on the telephone once, and look what it says",
-            )
+            mend = "start it on the telephone once, and look what it says"
+            raise _error(f"the experiment on {remote.name} does not start", mend)
         try:
             looked = _looked(remote, channel, [asked] if asked else list(channel.rates))
             axis = asked or _most_moved(looked)
@@ -256,10 +253,8 @@ def connect(settings: Mapping[str, Any]) -> Telephone:
             remote.control("stop")
             raise
     except _Mute as problem:
-        raise _error(
-            f"{remote.name} stopped answering ({problem})",
-            "keep phyphox open, with its screen on, and try again",
-        ) from problem
+        mend = "keep phyphox open, with its screen on, and try again"
+        raise _error(f"{remote.name} stopped answering ({problem})", mend) from problem
     return Telephone(remote, channel, axis, looked, began)
 
 
@@ -276,14 +271,11 @@ def _reached(remote: _Remote) -> Any:
 
 def _check_idle(status: Mapping[str, Any], name: str) -> None:
     if status.get("measuring"):
-        raise _error(
-            f"{name} is recording already", "stop it there, and save what is to be kept: a capture clears it"
-        )
+        problem = f"{name} is recording already"
+        raise _error(problem, "stop it there, and save what is to be kept: a capture clears it")
     if status.get("timedRun"):
-        raise _error(
-            f"{name} waits for a timed run",
-            "switch the timed run off in phyphox: capture.duration_s tells how long",
-        )
+        problem = f"{name} waits for a timed run"
+        raise _error(problem, "switch the timed run off in phyphox: capture.duration_s tells how long")
 
 
 def _looked(remote: _Remote, channel: _Channel, axes: Sequence[str]) -> _Look:
@@ -296,10 +288,8 @@ def _looked(remote: _Remote, channel: _Channel, axes: Sequence[str]) -> _Look:
         if passed > _LOOK and len(times) >= _ENOUGH and times[-1] - times[0] > _LOOK / 2:
             break
         if passed > _LOOK + _STARTS:
-            raise _error(
-                f"its gyroscope gives {len(times)} samples in {passed:.0f} s",
-                "look at the experiment on the telephone whether it shows any",
-            )
+            problem = f"its gyroscope gives {len(times)} samples in {passed:.0f} s"
+            raise _error(problem, "look at the experiment on the telephone whether it shows any")
     moved = np.sqrt(np.mean((values - values.mean(axis=0)) ** 2, axis=0))
     rate = float((len(times) - 1) / (times[-1] - times[0]))
     usual = float(1 / np.median(np.diff(times)))
@@ -327,10 +317,8 @@ def _channel(config: Any, name: str) -> _Channel:
     title = config.get("title") if isinstance(config, dict) else None
     inputs = config.get("inputs") if isinstance(config, dict) else None
     if not isinstance(inputs, list):
-        raise _error(
-            f"what answers at {name} is not phyphox, or an old one",
-            f"update phyphox (1.1.8 or later); {_REACH}",
-        )
+        problem = f"what answers at {name} is not phyphox, or an old one"
+        raise _error(problem, f"update phyphox (1.1.8 or later); {_REACH}")
     exported = {one.get("buffer") for part in config.get("export") or () for one in _dicts(part, "sources")}
     for one in inputs:
         if not isinstance(one, dict) or one.get("source") != "gyroscope":
@@ -356,9 +344,8 @@ def _axis_of(asked: str | None, channel: _Channel) -> str | None:
         if asked in (axis, buffer):
             return axis
     names = ", ".join(f"{axis} ({buffer})" for axis, buffer in channel.rates.items())
-    raise InputError(
-        "capture.signal_column", f"the telephone's gyroscope has no {asked!r}", names, "name one of them"
-    )
+    problem = f"the telephone's gyroscope has no {asked!r}"
+    raise InputError("capture.signal_column", problem, names, "name one of them")
 
 
 def _address(where: str) -> str:
@@ -369,9 +356,8 @@ def _address(where: str) -> str:
     except ValueError:
         host, port, parts = None, PORT, urllib.parse.urlsplit("")
     if not host or parts.path.strip("/") or parts.query or parts.username:
-        raise _error(
-            f"{where} is no address of a telephone", "write phyphox://192.168.0.12:8080, as phyphox shows it"
-        )
+        problem = f"{where} is no address of a telephone"
+        raise _error(problem, "write phyphox://192.168.0.12:8080, as phyphox shows it")
     return f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
 
 
@@ -385,19 +371,12 @@ def _of(found: Any, key: str, kind: type) -> Any:
 
 def _numbers(found: Sequence[Any]) -> np.ndarray:
     """The values of a buffer, nan for what is no number."""
-    return np.array(
-        [
-            float(one) if isinstance(one, int | float) and not isinstance(one, bool) else math.nan
-            for one in found
-        ],
-        dtype=float,
+    numbers = (
+        one if isinstance(one, int | float) and not isinstance(one, bool) else math.nan for one in found
     )
+    return np.array(list(map(float, numbers)), dtype=float)
 
 
 def _error(problem: str, mend: str) -> InputError:
-    return InputError(
-        "capture.port",
-        problem,
-        "phyphox://HOST:PORT of a telephone on which phyphox allows remote access",
-        mend,
-    )
+    expected = "phyphox://HOST:PORT of a telephone on which phyphox allows remote access"
+    return InputError("capture.port", problem, expected, mend)

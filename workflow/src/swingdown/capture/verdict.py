@@ -1,7 +1,6 @@
 """What a recording's clocks and values say of it, beside the frames that are missing: as sentences, each with its mend."""
 
 import numpy as np
-import numpy.typing as npt
 
 from ..rounding import again, value_with_uncertainty
 from . import clocks
@@ -132,16 +131,16 @@ def _constant(recorder):
 
 
 def _saturated(recorder):
-    limits = recorder.settings.get("range")
-    if not limits:
+    if not (count := saturated(recorder, recorder.rows)):
         return []
-    count = saturated([row.value * recorder.scale for row in recorder.rows], limits)
-    unit = recorder.settings["signal_unit"]
-    told = f"{count} samples at the end of the range {limits[0]:g} to {limits[1]:g} {unit}: the true signal lies beyond"
-    return [told] if count else []
+    (low, high), unit = recorder.settings["range"], recorder.settings["signal_unit"]
+    return [
+        f"{count} samples at the end of the range {low:g} to {high:g} {unit}: the true signal lies beyond"
+    ]
 
 
-def saturated(values: npt.ArrayLike, limits: tuple[float, float]) -> int:
-    """How many of ``values`` lie at or beyond the ends of ``limits`` (lowest, highest)."""
-    values = np.asarray(values, float)
-    return int(np.sum((values <= limits[0]) | (values >= limits[1])))
+def saturated(recorder, rows) -> int:
+    """How many of a recorder's ``rows`` lie at or beyond the ends of its range (lowest, highest); 0 where it has none."""
+    low, high = recorder.settings.get("range") or (-np.inf, np.inf)
+    values = np.array([row.value * recorder.scale for row in rows])
+    return int(np.sum((values <= low) | (values >= high)))

@@ -5,9 +5,7 @@ from functools import cache
 import mpmath
 
 NODES = 16
-LOCKSTEP_NODES = (
-    8  # for fits side by side: half as many over half as long take less work to the same accuracy
-)
+LOCKSTEP_NODES = 8  # for fits side by side: half as many over half as long take less work for the same
 
 
 @cache

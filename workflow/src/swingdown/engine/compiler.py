@@ -54,11 +54,8 @@ def found() -> Compiler:
 def processor() -> str:
     """What distinguishes processors that cannot run each other's native code."""
     try:
-        flags = next(
-            line
-            for line in Path("/proc/cpuinfo").read_text().splitlines()
-            if line.startswith(("flags", "Features"))
-        )
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+        flags = next(line for line in lines if line.startswith(("flags", "Features")))
     except (OSError, StopIteration):
         flags = platform.processor()
     return f"{platform.machine()} {flags}"

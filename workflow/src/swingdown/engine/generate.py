@@ -111,18 +111,20 @@ def _declare(name, value):
     return f"const double {_printer.doprint(name)} = {value};"
 
 
+def _shared(formulas):
+    """The subexpressions that formulas share, as (symbol, expression), what is left of each, and the symbols of all."""
+    shared, reduced = sympy.cse(formulas, symbols=sympy.numbered_symbols("x", real=True), list=True)
+    used = set().union(*(e.free_symbols for e in reduced), *(e.free_symbols for _, e in shared))
+    return shared, reduced, used
+
+
 def _function(name, signature, effect, assignments):
     """A C function that does each (target, operator, expression) at every point, subexpressions shared."""
     head = [f"static void {name}{signature} {{", "(void)q; (void)p; (void)sign; (void)at;"]
     if not assignments:
         return [*head, "(void)" + ("d;" if "Partials" in signature else "out;"), "}"]
     targets, operators, formulas = zip(*assignments, strict=True)
-    shared, reduced = sympy.cse(
-        [_with_shared_points(formula) for formula in formulas],
-        symbols=sympy.numbered_symbols("x", real=True),
-        list=True,
-    )
-    used = set().union(*(e.free_symbols for e in reduced), *(e.free_symbols for _, e in shared))
+    shared, reduced, used = _shared([_with_shared_points(formula) for formula in formulas])
     if _SPEED in used:
         used |= {_DIRECTION, _VELOCITY}
     arrays, numbers = _inputs(effect)
@@ -157,25 +159,15 @@ def _partials(outputs, inputs, parameters):
     for row, expression in outputs.items():
         found += [(f"PARTIAL({row}, {column})", "+=", expression.diff(of)) for column, of in inputs.items()]
         found.append((f"PARTIAL_BY_PARAMETER({row}, 0)", "+=", expression.diff(_OMEGA)))
-        found += [
-            (
-                f"PARTIAL_BY_PARAMETER({row}, at.first_parameter + {k})",
-                "=",
-                _by_parameter(expression, parameter),
-            )
-            for k, parameter in enumerate(parameters)
-        ]
+        for k, parameter in enumerate(parameters):
+            target = f"PARTIAL_BY_PARAMETER({row}, at.first_parameter + {k})"
+            found.append((target, "=", _by_parameter(expression, parameter)))
     return [(target, operator, derivative) for target, operator, derivative in found if derivative != 0]
 
 
 def _values(outputs, operator="+="):
     """The assignments of outputs as {row: expression}."""
     return [(f"out + ({row}) * q->stride", operator, expression) for row, expression in outputs.items()]
-
-
-def _by_point(expression):
-    """A reading is taken point by point, so its signs are those of each point."""
-    return expression.replace(sympy.sign, lambda x: 2 * sympy.Heaviside(x, 1) - 1)
 
 
 class _Outputs:
@@ -190,24 +182,20 @@ class _Outputs:
         }
         motion = {row: formulas.motion.get(kind) for row, kind in (("0", "torque"), ("1", "inertia"))}
         motion |= {f"2 + at.first_state + {k}": rate for k, rate in enumerate(formulas.rates)}
-        self.motion = {
-            row: _frozen(expression, self.switches)
-            for row, expression in motion.items()
-            if expression is not None
-        }
+        there = {row: expression for row, expression in motion.items() if expression is not None}
+        self.motion = {row: _frozen(expression, self.switches) for row, expression in there.items()}
         self.initial = {f"{k}": value for k, value in enumerate(formulas.initial)}
-        self.reading = {} if formulas.reading is None else {"0": _by_point(formulas.reading)}
-        self.methods = self._methods(formulas)
+        self.reading = {}
+        if formulas.reading is not None:  # it is taken point by point, so its signs are those of each point
+            self.reading["0"] = formulas.reading.replace(sympy.sign, lambda x: 2 * sympy.Heaviside(x, 1) - 1)
+        states = list(self.states.values())
+        rates = [self.motion[f"2 + at.first_state + {k}"] for k in range(len(states))]
+        self.methods = state_methods(formulas, rates, states, self.switches)
         self.linear = {
             f"{3 * k + j}": sympy.sympify(coefficient)
             for k, method in enumerate(self.methods)
             for j, coefficient in enumerate(method.coefficients)
         }
-
-    def _methods(self, formulas):
-        states = list(self.states.values())
-        rates = [self.motion[f"2 + at.first_state + {k}"] for k in range(len(states))]
-        return state_methods(formulas, rates, states, self.switches)
 
     def functions(self):
         """The C functions of the entry: {name in the table of effects: (signature, assignments)}."""
@@ -270,27 +258,15 @@ def _of_each(expression):
 
 def _lockstep_function(name, signature, effect, assignments):
     """A C function that does each (target, operator, expression) at every point of fits side by side."""
-    head = [
-        f"static void {name}{signature} {{",
-        "(void)q; (void)p;"
-        + (
-            " (void)by_angle; (void)by_velocity; (void)by_omega; (void)by_own;"
-            if "by_own" in signature
-            else ""
-        ),
-    ]
-    targets, operators, formulas = zip(*assignments, strict=True)
-    shared, reduced = sympy.cse(
-        [formula.subs({sympy.sin(_THETA): _SINE, sympy.cos(_THETA): _COSINE}) for formula in formulas],
-        symbols=sympy.numbered_symbols("x", real=True),
-        list=True,
+    slopes = (
+        " (void)by_angle; (void)by_velocity; (void)by_omega; (void)by_own;" if "by_own" in signature else ""
     )
-    used = set().union(*(e.free_symbols for e in reduced), *(e.free_symbols for _, e in shared))
-    numbers = {
-        _OMEGA: "q->omega_n",
-        symbol("duration"): "(Each){0.0} + q->duration",
-        _DIRECTION: "q->direction",
-    }
+    head = [f"static void {name}{signature} {{", f"(void)q; (void)p;{slopes}"]
+    targets, operators, formulas = zip(*assignments, strict=True)
+    points = {sympy.sin(_THETA): _SINE, sympy.cos(_THETA): _COSINE}
+    shared, reduced, used = _shared([formula.subs(points) for formula in formulas])
+    numbers = {_OMEGA: "q->omega_n", symbol("duration"): "(Each){0.0} + q->duration"}
+    numbers |= {_DIRECTION: "q->direction"}
     numbers |= {symbol(parameter.symbol): f"p[{k}]" for k, parameter in enumerate(effect.parameters)}
     printed = _lockstep_printer.doprint
 
@@ -347,9 +323,8 @@ def _table(name, values):
     values = np.array(values, dtype=float)
     # stored by column, so that the loop over the nodes is the inner, contiguous one
     values = values if "tail" in name else values.T
-    return (
-        f"static const double {name}[] = {{{', '.join(value.hex() for value in values.ravel().tolist())}}};"
-    )
+    listed = ", ".join(value.hex() for value in values.ravel().tolist())
+    return f"static const double {name}[] = {{{listed}}};"
 
 
 def source(catalogue, gravity):

@@ -153,13 +153,11 @@ def swing_trajectories(library: Any, model: Any, values: Floats, times: Floats, 
 
 
 class Outcome(NamedTuple):
-    """How a search ended: a ``Convergence`` of c/interface.h, its evaluations, the relative reduction that its last full
-    step predicted, whether a swing stops within its record, whether nothing but white noise is left, and whether friction
-    drives a swing."""
+    """How a search ended: a ``Convergence`` of c/interface.h, its evaluations, whether a swing stops within its record, whether nothing but
+    white noise is left, and whether friction drives a swing."""
 
     converged: int
     evaluations: int
-    predicted_reduction: float
     stops: bool
     ends_in_noise: bool
     driven: bool
@@ -190,7 +188,7 @@ class Options(NamedTuple):
 
 def _outcome(c: Any) -> Outcome:
     flags = bool(c.stops), bool(c.ends_in_noise), bool(c.driven)
-    return Outcome(c.converged, c.evaluations, c.predicted_reduction, *flags)
+    return Outcome(c.converged, c.evaluations, *flags)
 
 
 def _c_bounds(bounds: Bounds) -> tuple[Any, Any]:

@@ -152,9 +152,8 @@ def checked_times(times: Any) -> Floats:
     # of increasing times all are finite where the first and the last one are
     later = np.count_nonzero(times[1:] > times[:-1])
     if not (later == times.size - 1 and isfinite(times[0]) and isfinite(times[-1])):
-        raise InputError(
-            "times", "not finite and increasing", "sample times in seconds, each later than the time before"
-        )
+        problem = "not finite and increasing"
+        raise InputError("times", problem, "sample times in seconds, each later than the time before")
     return times
 
 
@@ -175,11 +174,8 @@ def _run(
         )
     for definition, value in zip(model.definitions, values, strict=True):
         if value < definition.least:
-            raise ImpossibleValue(
-                f"model {model.label}, {definition.name}",
-                f"{value:g} {definition.unit}",
-                f"{definition.least:g} or more",
-            )
+            where, least = f"model {model.label}, {definition.name}", f"{definition.least:g} or more"
+            raise ImpossibleValue(where, f"{value:g} {definition.unit}", least)
     library = compiled.library
     codes = {"release_angle": library.RELEASE_ANGLE, "release_velocity": library.RELEASE_VELOCITY} | {
         name: k for k, name in enumerate(model.parameters)
@@ -283,11 +279,8 @@ def _warn_of_growth(model: Model, times: Floats, release: Sequence[float], angle
         if difference <= _PROMISED:
             return
         off = f"{difference:.0e} {READINGS[model.reading]}"
-    warnings.warn(
-        f"model {model.label}: beyond 150° small errors grow; what is read is off by some {off}, as a finer computation shows",
-        TrajectoryWarning,
-        stacklevel=3,
-    )
+    told = f"beyond 150° small errors grow; what is read is off by some {off}, as a finer computation shows"
+    warnings.warn(f"model {model.label}: {told}", TrajectoryWarning, stacklevel=3)
 
 
 def simulate_each(model: Model, times: Any, values: Any) -> Floats:
@@ -304,9 +297,8 @@ def simulate_each(model: Model, times: Any, values: Any) -> Floats:
     """
     times, values = checked_times(times), np.ascontiguousarray(values, dtype=float)
     if values.ndim != 2 or values.shape[1] != len(model.parameters) + 2:
-        raise InputError(
-            f"model {model.label}", f"values of shape {values.shape}", f"(any, {len(model.parameters) + 2})"
-        )
+        problem = f"values of shape {values.shape}"
+        raise InputError(f"model {model.label}", problem, f"(any, {len(model.parameters) + 2})")
     compiled = Compiled(model, float(times[-1] - times[0]), float(times[0]))
     angles = np.full((len(values), times.size), np.nan)
     least = [definition.least for definition in model.definitions] + [-np.inf, -np.inf]

@@ -89,9 +89,8 @@ def fit_batch(
     """
     times, series = checked_times(times), np.ascontiguousarray(series, dtype=float)
     if series.ndim != 2 or series.shape[1] != times.size or not np.all(np.isfinite(series)):
-        raise InputError(
-            "series", f"an array of shape {series.shape}", f"finite angles of shape (any, {times.size})"
-        )
+        problem = f"an array of shape {series.shape}"
+        raise InputError("series", problem, f"finite angles of shape (any, {times.size})")
     size, count = len(guess.parameters), len(series)
     free = guess.parameters + (RELEASE if start == "free" else ())
     first = np.array([*guess.vector(), *release], dtype=float)
@@ -101,9 +100,8 @@ def fit_batch(
         given[:, size], given[:, size + 1] = series[:, 0], release[1]
     compared = _checked("reference", search.reference, times.shape)
     curved = _checked("curvature", search.curvature, (len(free),) * 2)
-    lower, upper = np.array(
-        [limits(d, search.bounded) for d in guess.definitions] + [(-np.inf, np.inf)] * 2
-    ).T.copy()
+    each = [*(limits(d, search.bounded) for d in guess.definitions), *[(-np.inf, np.inf)] * 2]
+    lower, upper = np.array(each).T.copy()
     compiled = Compiled(guess, float(times[-1] - times[0]), float(times[0]))
     where = np.arange(size + 2, dtype=np.int32)
     where[len(free) :] = -1

@@ -313,11 +313,8 @@ class Free:
 def _chosen(gains: Floats) -> list[tuple[int, int, float]]:
     """No course, one of frequency, one of loss, and both, each with the places of its best sizes and its gain, prices paid."""
     found = [(0, 0, float(gains[0, 0]))]
-    for rows, columns, price in (
-        (slice(1, None), slice(1), 1),
-        (slice(1), slice(1, None), 1),
-        (slice(1, None), slice(1, None), 2),
-    ):
+    none, some = slice(1), slice(1, None)
+    for rows, columns, price in ((some, none, 1), (none, some, 1), (some, some, 2)):
         part = gains[rows, columns]
         f, g = np.unravel_index(int(np.argmax(part)), part.shape)
         found.append((int(f) + (rows.start or 0), int(g) + (columns.start or 0), float(part[f, g]) - price))

@@ -75,10 +75,8 @@ def _inverse(matrix: Floats, scale: Floats) -> Floats | None:
     try:
         inverse = np.linalg.inv(scaled)
         # by the product of Frobenius' norms first, which is never smaller than the condition number and takes a tenth of the time
-        if not (
-            np.vdot(scaled, scaled) * np.vdot(inverse, inverse) < _SINGULAR**2
-            or np.linalg.cond(scaled) < _SINGULAR
-        ):
+        surely = np.vdot(scaled, scaled) * np.vdot(inverse, inverse) < _SINGULAR**2
+        if not (surely or np.linalg.cond(scaled) < _SINGULAR):
             return None
     except np.linalg.LinAlgError:
         return None
@@ -108,11 +106,10 @@ def systematic_of(problem: Problem, inverse: Floats, best: Floats) -> Floats:
 def covariance_at(problem: Problem, best: Floats, rss: float) -> tuple[Floats, Floats]:
     """The same for the one swing of a problem, from the trajectory's own slopes there."""
     (times, _), (*values, release_angle, release_velocity) = problem.swings[0], problem.slots(best)[0]
-    model = problem.model.with_values(dict(zip(problem.model.parameters, values, strict=True))).driven_by(
-        problem.drives[0]
-    )
+    model = problem.model.with_values(dict(zip(problem.model.parameters, values, strict=True)))
+    model = model.driven_by(problem.drives[0])
     _, slopes = sensitivities(model, times, release_angle, release_velocity, free=problem.free)
     hessian = slopes @ slopes.T
-    return covariance_of(
-        problem, hessian if problem.known is None else hessian + problem.known.precision, rss, best
-    )
+    if problem.known is not None:
+        hessian = hessian + problem.known.precision
+    return covariance_of(problem, hessian, rss, best)

@@ -53,9 +53,8 @@ def driven_guesses(model: Model, times: Floats, angle: Floats, drive: Drive) -> 
         a_half_swing = amplitude * -np.expm1(-0.5 * np.pi * loss / frequency)
         seen = Guess(frequency, 0.0, 0.0, amplitude, float(a_half_swing))
         gain = size if drive.kind == "torque" else size / frequency**2
-        found.append(
-            seen.damping(model) | dict.fromkeys(gains[:1], gain) | {NATURAL_FREQUENCY.name: frequency}
-        )
+        values = {NATURAL_FREQUENCY.name: frequency}
+        found.append(seen.damping(model) | dict.fromkeys(gains[:1], gain) | values)
     if not found:
         raise InputError(
             f"fit of {model.label}", "its response to the drive shows no natural frequency", "the angle of a pendulum, and the drive that moves it",

@@ -27,11 +27,8 @@ class Guess:
 
     def damping(self, model: Model) -> dict[str, float]:
         """The size of each damping effect that would alone explain the loss a half-swing, by parameter (``Effect.damping``)."""
-        seen = {
-            "amplitude": self.amplitude,
-            "omega_n": self.natural_frequency,
-            "loss": max(self.loss, 1e-6 * self.amplitude),
-        }
+        loss = max(self.loss, 1e-6 * self.amplitude)
+        seen = {"amplitude": self.amplitude, "omega_n": self.natural_frequency, "loss": loss}
         return {
             effect.size.name: float(evaluate(effect.damping, **seen))
             for effect in model.effects
@@ -63,12 +60,9 @@ def first_guess(times: Any, angle: Any, restoring: str = "sine", reading: str = 
     if crossings.size < 2:
         crossings, extremes = middle_crossings(times, angle - 0.5 * (angle.max() + angle.min()))
     if crossings.size < 2:
-        raise InputError(
-            "swing",
-            "the angle crosses its middle fewer than twice",
-            "at least one whole half-swing",
-            "record longer, or name the column of the angle",
-        )
+        problem = "the angle crosses its middle fewer than twice"
+        expected = "at least one whole half-swing"
+        raise InputError("swing", problem, expected, "record longer, or name the column of the angle")
     # the late, small ones are mostly noise or friction
     seen, reached = crossings.tolist(), extremes.tolist()
     used = [k for k, one in enumerate(reached) if one >= 0.5 * reached[0]]

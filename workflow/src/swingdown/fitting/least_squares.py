@@ -17,6 +17,7 @@ from .covariance import covariance_of
 from .problem import Problem, Swings
 from .result import Fit, SwingFit
 
+_labelled = lru_cache(maxsize=100)(as_model)
 _FEWEST = 8  # samples of a swing's first part
 _PARTS = (0.15, 0.25, 0.35, 0.45, 0.55, 0.65, 0.75, 0.85, 0.95)  # of the record, for a start
 _TELLING = 0.35  # a part that tells all values apart, where a shorter one may have led astray
@@ -89,21 +90,14 @@ def fit_jointly(  # noqa: PLR0913
     rss, best, hessian, _, outcome, angles = found
     if outcome.converged < 0:
         raise TrajectoryError(f"model {model.label}: no start of {tried} gives a trajectory")
-    message = f"{agreeing} of {tried} starts reached the best optimum; "
-    message += (
-        "stationary" if outcome.converged else f"not stationary after {outcome.evaluations} evaluations"
-    )
+    ended = "stationary" if outcome.converged else f"not stationary after {outcome.evaluations} evaluations"
+    message = f"{agreeing} of {tried} starts reached the best optimum; {ended}"
     covariance, converged = covariance_of(problem, hessian, rss, best), bool(outcome.converged)
     if outcome.driven:
         for compiled, series in zip(problem.compiled, angles, strict=False):
             warn_of_drive(compiled, True, series)
     minimum = Minimum(best, covariance, rss, converged, outcome.evaluations, angles)
     return fit_at(problem, minimum, "least squares", message)
-
-
-@lru_cache(maxsize=100)
-def _labelled(label: str) -> Model:
-    return as_model(label)
 
 
 def fit_trajectory(model: Model | str, times: Any, angle: Any, **options: Any) -> Fit:
@@ -181,13 +175,7 @@ def _grown(problem: Problem, starts: Floats, most: int, tolerance: float) -> Flo
 
 
 def _from_all(
-    problem: Problem,
-    starts: Floats,
-    first: int,
-    most: int,
-    tolerance: float,
-    grow: bool = True,
-    rough: bool = False,
+    problem: Problem, starts: Floats, first: int, most: int, tolerance: float, grow: bool, rough: bool
 ) -> tuple[Any, int, int]:
     """The least sum of squares over the whole of every swing, how many starts reached it and how many were tried.
 
@@ -203,9 +191,8 @@ def _from_all(
         if part[4].converged > 0 and np.all(part[3] <= part[0] * (1 + _SAME)):
             starts = part[1][None]
     found: Any = None
-    known = starts[
-        :0, 0
-    ]  # the sums of squares of the whole to which the first starts led: none of them is tried twice
+    # the sums of squares of the whole to which the first starts led: none of them is tried twice
+    known = starts[:0, 0]
     if first:
         for until_noise in (True, False):
             part = _search(thin, starts, min(most, 30), max(tolerance, _ROUGH), _TELLING, until_noise)

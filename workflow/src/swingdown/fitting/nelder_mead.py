@@ -64,8 +64,8 @@ def fit_nelder_mead(
             converged = True
             break
         step = -0.4 * step
-    message = (
-        f"stationary after {count} simplexes" if converged else f"not stationary after {restarts} simplexes"
-    )
+    message = f"stationary after {count} simplexes"
+    if not converged:
+        message = f"not stationary after {restarts} simplexes"
     minimum = Minimum(best, covariance_at(problem, best, value), value, converged, evaluations)
     return fit_at(problem, minimum, "Nelder-Mead", message)

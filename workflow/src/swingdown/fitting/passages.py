@@ -49,35 +49,29 @@ def pace(times: Floats, halves: np.ndarray, clock: float = 0.0, step: float = 0.
         If there are too few.
     """
     if times.size < _FEWEST + 2:
-        raise InputError(
-            "passages", f"there are {times.size} of them", f"at least {_FEWEST + 2}", "record longer"
-        )
+        problem = f"there are {times.size} of them"
+        raise InputError("passages", problem, f"at least {_FEWEST + 2}", "record longer")
     half = (halves[-1] - halves[0]) / 4  # of the recording, in swings
     at = (halves - halves[0]) / (2 * half) - 1
     slopes = _by_evidence(times, lambda terms: legvander(at, terms - 1))
     found = np.linalg.lstsq(slopes, times)[0]
     left = times - slopes @ found
     terms = slopes.shape[1]
-    scatter = max(
-        float(np.sqrt(left @ left / (times.size - terms))), step / np.sqrt(12), 1e-12 * float(np.ptp(times))
-    )
+    least = max(step / np.sqrt(12), 1e-12 * float(np.ptp(times)))
+    scatter = max(float(np.sqrt(left @ left / (times.size - terms))), least)
     inverse = np.linalg.inv(slopes.T @ slopes)
-    covariance = (
-        inverse @ middle(slopes, left / scatter, step / scatter, times / scatter)[0] @ inverse * scatter**2
-    )
+    scores, _ = middle(slopes, left / scatter, step / scatter, times / scatter)
+    covariance = inverse @ scores @ inverse * scatter**2
     edge = 1 - 1 / (2 * half)  # the middle of the last period, a half-swing before its end
-    first, now, last = _rates(terms, edge) / half
+    places = np.array([-edge, 0.0, edge])
+    # the slopes of each Legendre polynomial there
+    first, now, last = np.array([legval(places, legder(one)) for one in np.eye(terms)]).T / half
 
     def told(rates: Floats, clocked: float) -> tuple[float, float]:
         value = float(rates @ found)
         return value, float(np.hypot(np.sqrt(rates @ covariance @ rates), clocked * value))
 
     return Pace(*told(now, clock), *told(first, clock), *told(last - first, clock), scatter, left)
-
-
-def _rates(terms: int, edge: float) -> Floats:
-    """The slopes of each Legendre polynomial at minus the ``edge``, 0 and the edge: an array (place, polynomial)."""
-    return np.array([legval(np.array([-edge, 0.0, edge]), legder(one)) for one in np.eye(terms)]).T
 
 
 def _by_evidence(times: Floats, slopes: Callable[[int], Floats]) -> Floats:

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from copy import copy
 from functools import lru_cache
 from math import isfinite
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -28,6 +28,7 @@ _DENSE, _ENOUGH = 32, 1000
 _SMALLEST_FREQUENCY = 1e-3  # rad/s; a pendulum slower than an hour is none
 _FEWEST_A_SWING = 1.0  # samples; of a faster pendulum nothing is seen, and to follow it takes for ever
 
+_Names = tuple[str, ...]
 Swings = Sequence[tuple[Any, Any]]
 """(times in s, angles in rad) of each swing; of a model that reads rates (times in s, angular velocities in rad/s)."""
 
@@ -62,29 +63,19 @@ def _mean(values: list[float]) -> float:
     return values[0] if len(values) == 1 else float(np.mean(values))
 
 
-class _Layout(NamedTuple):
-    """Which values of a fit are variables: names shared and of each swing, all free ones; their bounds, and where each sits
-    in the swings' values (swing, slot)."""
-
-    shared: list[str]
-    own: list[str]
-    free: list[str]
-    lower: Floats
-    upper: Floats
-    where: np.ndarray
-
-
 # Kept, as is a compiled model: of a small fit, to make them anew would take as long as the search.
 @lru_cache(maxsize=500)
 def _layout(
     entries: Catalogue,
-    parameters: tuple[str, ...],
-    own: tuple[str, ...],
-    fixed: tuple[str, ...],
+    parameters: _Names,
+    own: _Names,
+    fixed: _Names,
     releases: bool,
     bounded: bool,
     count: int,
-) -> _Layout:
+) -> tuple[list[str], list[str], list[str], Floats, Floats, np.ndarray]:
+    """Which values of a fit are variables: names shared and of each swing, all free ones; their bounds, and where each sits
+    in the swings' values (swing, slot)."""
     shared = [name for name in parameters if name not in own and name not in fixed]
     each = [*(name for name in parameters if name in own), *(RELEASE if releases else [])]
     free = shared + each * count
@@ -98,33 +89,26 @@ def _layout(
     lower, upper = np.array([bounds.get(name, (-np.inf, np.inf)) for name in free]).reshape(-1, 2).T.copy()
     for array in (lower, upper, where):
         array.flags.writeable = False
-    return _Layout(shared, [name for name in parameters if name in own], free, lower, upper, where)
+    return shared, [name for name in parameters if name in own], free, lower, upper, where
 
 
-class _Form(NamedTuple):
-    """A model without its values, as a key."""
-
-    catalogue: Catalogue
-    names: tuple[str, ...]
-    slack: tuple[str, ...]
-    restoring: str
-    form: str
-    drive: Drive | None
+# a model without its values: catalogue, names of its effects and of its slack's, restoring torque, form, drive
+_Key = tuple[Catalogue, _Names, _Names, str, str, Drive | None]
 
 
 @lru_cache(maxsize=500)
-def _compiled(form: _Form, duration: float, start: float) -> Compiled:
-    slack = Slack(form.slack, contributions=np.zeros((len(form.slack), 0)))
-    model = Model(form.names, {}, {}, form.restoring, form.form, form.catalogue, slack, drive=form.drive)
-    return Compiled(model, duration, start)
+def _compiled(key: _Key, duration: float, start: float) -> Compiled:
+    catalogue, names, open_, restoring, form, drive = key
+    slack = Slack(open_, contributions=np.zeros((len(open_), 0)))
+    return Compiled(Model(names, {}, {}, restoring, form, catalogue, slack, drive=drive), duration, start)
 
 
 def compiled(model: Model, times: Floats, drive: Drive | None = None) -> Compiled:
     """The model as the engine takes it, for a record of these ``times`` (s), under a measured drive where one acts in it."""
     duration = model.record or float(times[-1] - times[0])
     start, drive = (float(times[0]), drive) if model.takes_input else (0.0, None)
-    form = _Form(model.catalogue, model.names, model.slack.names, model.restoring, model.form, drive)
-    return _compiled(form, duration, start)
+    key = model.catalogue, model.names, model.slack.names, model.restoring, model.form, drive
+    return _compiled(key, duration, start)
 
 
 class Problem:
@@ -151,11 +135,8 @@ class Problem:
             )  # fmt: skip
         self.fixed = dict(fixed or {})
         if unknown := [name for name in (*own, *self.fixed) if name not in model.parameters]:
-            raise InputError(
-                "fit, own or fixed",
-                f"no parameter {unknown[0]!r} in {model.label}",
-                ", ".join(model.parameters),
-            )
+            problem = f"no parameter {unknown[0]!r} in {model.label}"
+            raise InputError("fit, own or fixed", problem, ", ".join(model.parameters))
         self.model, self.swings, self.start = model, [_checked_swing(*swing) for swing in swings], start
         count, sizes = len(self.swings), [times.size for times, _ in self.swings]
         layout = _layout(
@@ -167,14 +148,12 @@ class Problem:
             self.upper[natural] = 2 * np.pi / _FEWEST_A_SWING * max(_rate(times) for times, _ in self.swings)
         values = [self.fixed.get(name, 0.0) for name in model.parameters]
         rate = model.reading == RATE
-        self.given = np.array(
-            [[*values, 0.0 if rate else angle[0], 0.0] for _, angle in self.swings], dtype=float
-        )
+        firsts = [0.0 if rate else angle[0] for _, angle in self.swings]
+        self.given = np.array([[*values, first, 0.0] for first in firsts], dtype=float)
         self.n = sum(sizes)
         if self.n <= len(self.free):
-            raise InputError(
-                "fit", f"{self.n} samples for {len(self.free)} free values", "more samples than free values"
-            )
+            problem = f"{self.n} samples for {len(self.free)} free values"
+            raise InputError("fit", problem, "more samples than free values")
         self.known = self._known() if model.slack.names else None
         self.drives: list[Any] = [getattr(swing, "drive", model.drive) for swing in swings]
         self.compiled = [
@@ -193,10 +172,7 @@ class Problem:
                 "what the measurement leaves open is not weighed against any noise",
                 "a slack with its noise (Slack.weighed), or fitting.slack.allowing",
             )
-        precision = np.zeros((len(self.free), len(self.free)))
-        at = [self.free.index(name) for name in slack.parameters]
-        precision[np.ix_(at, at)] = slack.precision
-        return interface.Knowledge(np.zeros(len(self.free)), precision)
+        return interface.Knowledge(np.zeros(len(self.free)), slack.precision_among(self.free))
 
     def _point_at_swings(self) -> None:
         models = [compiled.c for compiled in self.compiled]
@@ -264,10 +240,7 @@ class Problem:
         loss = {name: _mean([share[name] for share in shares]) for name in shares[0]}
         frequency = {NATURAL_FREQUENCY.name: _mean([g.natural_frequency for g in found])}
         split = frequency | {name: value / max(1, len(loss)) for name, value in loss.items()}
-        alone = [
-            frequency | {name: value if name == only else 0.0 for name, value in loss.items()}
-            for only in loss
-        ]
+        alone = [frequency | dict.fromkeys(loss, 0.0) | {only: value} for only, value in loss.items()]
         starts = [split, *(alone if len(loss) > 1 else [])]
         from_data = [self.variables(values, releases) for values in starts]
         return np.array([*(self._from_guess(one, releases) for one in known), *from_data]), len(starts)
@@ -276,14 +249,10 @@ class Problem:
         """The same of swings under a measured drive, from what each width of bumps shows of them (``driven``)."""
         releases = [driven_release(*swing) for swing in self.swings]
         given = [self._from_guess(one, releases) for one in known]
-        each = (
-            [
-                driven_guesses(self.model, times, angle, drive)
-                for (times, angle), drive in zip(self.swings, self.drives, strict=True)
-            ]
-            if seen or not given
-            else []
-        )
+        each: list[list[dict[str, float]]] = []
+        if seen or not given:
+            driven = zip(self.swings, self.drives, strict=True)
+            each = [driven_guesses(self.model, *swing, drive) for swing, drive in driven]
         from_data = [
             self.variables({name: _mean([one[name] for one in values]) for name in values[0]}, releases)
             for values in zip(*each, strict=False)

@@ -129,10 +129,8 @@ class Fit:
     @property
     def begin(self) -> Begin:
         """Where another fit of the same swings begins to go on from this one."""
-        return Begin(
-            self.model,
-            tuple(SwingStart(s.model.values, s.release_angle, s.release_velocity) for s in self.swings),
-        )
+        swings = (SwingStart(s.model.values, s.release_angle, s.release_velocity) for s in self.swings)
+        return Begin(self.model, tuple(swings))
 
     @property
     def standard_errors(self) -> Floats:

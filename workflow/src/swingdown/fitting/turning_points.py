@@ -134,14 +134,12 @@ def fit_turns(
     """
     fewest = len(model.parameters) + 2  # a first angle, and two more to tell their scatter
     if turns.angles.size < fewest:
-        raise InputError(
-            "turning points",
-            f"there are {turns.angles.size} of them",
-            f"at least {fewest}",
-            "write down more of them",
-        )
+        problem = f"there are {turns.angles.size} of them"
+        raise InputError("turning points", problem, f"at least {fewest}", "write down more of them")
     free = _free(model, turns)
-    scatter = _first_scatter(turns)
+    # to begin with, a hundredth of the half-swing and of the largest angle
+    half = float(np.median(np.diff(turns.times) / np.diff(turns.halves)))
+    scatter = 0.01 * half, 0.01 * float(np.abs(turns.angles).max())
     starts = [np.array([one.get(name, 0.0) for name in free]) for one in guesses]
     if not (unseen(model) and guesses):
         starts = [_start(model, turns, free), *starts]
@@ -149,12 +147,8 @@ def fit_turns(
     best = min(tried, key=lambda one: one.cost)
     evaluations = sum(one.nfev for one in tried)
     if not best.cost < _LOST**2 / 4:
-        raise Unmet(
-            "turning points",
-            f"no swing of the model {model.label} meets them",
-            "those of a pendulum",
-            "check units and kind",
-        )
+        problem = f"no swing of the model {model.label} meets them"
+        raise Unmet("turning points", problem, "those of a pendulum", "check units and kind")
     for _ in range(_ROUNDS):
         before, scatter = scatter, _scatter(turns, best.jac, best.fun, scatter)
         best = _least(model, turns, free, best.x, scatter)
@@ -165,13 +159,8 @@ def fit_turns(
 
 
 def _free(model: Model, turns: Turns) -> tuple[str, ...]:
-    parameters = model.parameters if turns.timed else model.parameters[1:]
-    return (
-        *parameters,
-        "release_angle",
-        *(("first",) if turns.timed else ()),
-        *(("zero",) if turns.both else ()),
-    )
+    parameters, first = (model.parameters, ("first",)) if turns.timed else (model.parameters[1:], ())
+    return (*parameters, "release_angle", *first, *(("zero",) if turns.both else ()))
 
 
 def frequency_of(turns: Turns, restoring: str) -> float:
@@ -192,12 +181,8 @@ def _start(model: Model, turns: Turns, free: Sequence[str]) -> Floats:
     seen = Guess(frequency, size[0], 0.0, float(np.median(size)), loss)
     terms = len(model.effects)  # each explains its share of the loss
     known = {name: value / terms for name, value in seen.damping(model).items()}
-    known |= {
-        NATURAL_FREQUENCY.name: frequency,
-        "release_angle": turns.angles[0],
-        "first": turns.times[0],
-        "zero": 0.0,
-    }
+    known |= {NATURAL_FREQUENCY.name: frequency, "release_angle": turns.angles[0]}
+    known |= {"first": turns.times[0], "zero": 0.0}
     for one in model.definitions:
         if one.name not in known:
             known[one.name] = next(iter(one.starting_values(frequency)), 0.0)
@@ -208,12 +193,6 @@ def _start(model: Model, turns: Turns, free: Sequence[str]) -> Floats:
             break
         at[damped] /= 2
     return at
-
-
-def _first_scatter(turns: Turns) -> tuple[float, float]:
-    """Standard deviations of times and angles to begin with: a hundredth of the half-swing and of the largest angle."""
-    half = float(np.median(np.diff(turns.times) / np.diff(turns.halves)))
-    return 0.01 * half, 0.01 * float(np.abs(turns.angles).max())
 
 
 def _least(
@@ -232,7 +211,6 @@ def _least(
         lambda x: both(x)[0],
         start,
         lambda x: both(x)[1],
-        method="trf",
         x_scale="jac",
         xtol=tolerance,
         ftol=tolerance,

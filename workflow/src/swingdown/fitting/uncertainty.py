@@ -98,9 +98,7 @@ def half_widths(limited: Floats) -> Floats:
     found = np.where(limit < _LEAST_LIMIT, _NORMAL, _LEVEL * limit)
     both = (limit >= _LEAST_LIMIT) & (normal >= _LEAST_LIMIT)
     limit, normal = limit[both], normal[both]
-    k = np.full(
-        limit.size, _LEVEL * np.sqrt(3)
-    )  # below it: on a curve that bends down no step of Newton's leads beyond
+    k = np.full(limit.size, _LEVEL * np.sqrt(3))  # below it: on a curve that bends down no step leads beyond
     for _ in range(_NEWTON):
         low, high = (k - limit) / normal, (k + limit) / normal
         # the mean of a normal error's probability between the two limits, and its slope
@@ -136,7 +134,7 @@ def uncertainty(fit: Fit, swings: Swings, free: bool = False) -> Uncertainty:
         _piece(fit, k, times, part) for k, ((times, _), part) in enumerate(zip(swings, parts, strict=True))
     ]
     try:
-        courses = Free(pieces, _precision(fit), kept, fit.rss)
+        courses = Free(pieces, fit.model.slack.precision_among(fit.free), kept, fit.rss)
         most, seen = courses.most(plain.noise**2)
         noise = _of_parts(fit, *_less(fit, parts, most)).noise if seen else plain.noise
         found = courses.courses(noise**2)
@@ -177,15 +175,6 @@ def _piece(fit: Fit, k: int, times: Floats, part: "_Part") -> Pieces:
     return Pieces(part.where, part.slopes, part.residual, part.counts, reading, part.interval, radians)
 
 
-def _precision(fit: Fit) -> Floats:
-    """What was known of the free values beforehand, times the noise's variance."""
-    slack, precision = fit.model.slack, np.zeros((len(fit.free), len(fit.free)))
-    if slack.names and all(name in fit.free for name in slack.parameters):
-        at = [fit.free.index(name) for name in slack.parameters]
-        precision[np.ix_(at, at)] = slack.precision
-    return precision
-
-
 def _of_parts(fit: Fit, parts: Sequence["_Part"], rss: float) -> Uncertainty:
     """The ``Uncertainty`` by the residuals of these pieces, whose sum of squares (rad^2) is ``rss``."""
     held = ~np.isfinite(np.diag(fit.covariance))
@@ -200,7 +189,7 @@ def _of_parts(fit: Fit, parts: Sequence["_Part"], rss: float) -> Uncertainty:
             scores[place] += weighted(spread * slopes, colour)
             scores[place] += part.besides * np.outer(scale[part.where], scale[part.where])
     kept = np.ix_(~held, ~held)
-    precision = _precision(fit) * np.outer(scale, scale)
+    precision = fit.model.slack.precision_among(fit.free) * np.outer(scale, scale)
     random = np.full((size, size), np.nan)
     try:
         inverse = np.linalg.inv((hessian + precision)[kept])
@@ -249,11 +238,8 @@ def _means(fit: Fit, swings: Swings) -> Iterator[_Part]:
             rounded += _timing(slopes, times, fitted.angle, residual)
         lines = np.zeros_like(rounded)
         for line in lines_of(residual, 0.5 * _A_PERIOD * interval / period, at):
-            lines += (
-                0.5
-                * line.amplitude**2
-                * np.sum([np.outer(one, one) for one in (line.waves @ slopes.T)], axis=0)
-            )
+            waves = np.sum([np.outer(one, one) for one in (line.waves @ slopes.T)], axis=0)
+            lines += 0.5 * line.amplitude**2 * waves
             residual = residual - line.fitted
         # of a swing that is shorter than its period (as a wrong model may say), the whole is a period
         length = int(slots[-1]) + 1
@@ -262,16 +248,8 @@ def _means(fit: Fit, swings: Swings) -> Iterator[_Part]:
         pieces, size = slots[whole] // each, counts.size
         means = np.array([np.bincount(pieces, one, size) for one in slopes[:, whole]]) / np.maximum(counts, 1)
         kept = residual[whole]
-        yield _Part(
-            where,
-            means,
-            np.bincount(pieces, kept, size).astype(float),
-            counts,
-            float(kept @ kept),
-            each * interval,
-            rounded + lines,
-            (each - 1) / 2 * interval,
-        )
+        sums, first = np.bincount(pieces, kept, size).astype(float), (each - 1) / 2 * interval
+        yield _Part(where, means, sums, counts, float(kept @ kept), each * interval, rounded + lines, first)
 
 
 def _pieces(slots: NDArray[np.integer], each: int) -> tuple[int, NDArray[np.integer]]:
@@ -338,11 +316,9 @@ def _coloured(parts: Sequence[_Part]) -> Iterator[tuple[Colour, list[tuple[_Part
 
 def _within(parts: Sequence[_Part]) -> float:
     """The correlation of two residuals in one piece, as all of them tell it; at least 0."""
-    counts, sums = (
-        np.concatenate([getattr(part, name) for part in parts]) for name in ("counts", "residual")
-    )
+    counts = np.concatenate([part.counts for part in parts])
+    sums = np.concatenate([part.residual for part in parts])
     squares, pairs = sum(part.squares for part in parts), float(counts @ (counts - 1))
-    alone = (
-        pairs * squares / float(counts.sum())
-    )  # nothing where each piece has one sample: then there is no pair
+    # nothing where each piece has one sample: then there is no pair
+    alone = pairs * squares / float(counts.sum())
     return float(np.clip((float(sums @ sums) - squares) / (alone or np.inf), 0.0, 1.0))

@@ -1,6 +1,4 @@
-"""From a recording to angles in radians, with the random and the systematic part of their uncertainty kept
-apart.
-"""
+"""From a recording to angles in radians, with the random and the systematic part of their uncertainty kept apart."""
 
 from math import pi, sqrt
 from typing import Any
@@ -26,19 +24,12 @@ BOUND = "half width of the interval that holds the angle with 95 %"
 PAPER_BOUND = "half width of the paper's bound, limits added: it holds some 90 % of angles (docs/trust.md)"
 _RAD = {"rad": 1.0, "deg": pi / 180} | TO_RAD_PER_S
 _PARTS = ("standard_uncertainty", "random_uncertainty", "systematic_uncertainty", "bound")
-# from a recording to its angles, where it has them
-_CARRIED = [
-    "columns_alike",
-    "drive_beside",
-    "label",
-    "unit_told",
-    "unit_stated",
-    "scale",
-    "own_unit",
-    "own_step",
-    "read_again",
+# from a recording to its angles: what each has, and what some have
+_NAMED = ("recording", "campaign", "role", "file", "sha256", "source")
+_CARRIED = (
+    "columns_alike", "drive_beside", "label", "unit_told", "unit_stated", "scale", "own_unit", "own_step", "read_again",
     "time_standard_uncertainty_s",
-]
+)  # fmt: skip
 UNSCALED = "unknown scale"  # the mode of angles that stand for readings whose scale nobody states: period and decay alone hold
 UNIFORM_95 = 0.95 * sqrt(3)  # half width of the interval that holds 95 % of a uniform distribution, in its u
 
@@ -79,9 +70,8 @@ def to_angle(recording: xr.Dataset, calibration: xr.Dataset | None = None, mode:
     if stated.names:
         open_by = stated.deviations
         fitted = zero_is_fitted(recording)  # a fit tells it, better than this
-        by_sheet = np.hypot(
-            open_by.get("sensor_gain", 0.0) * angle, 0.0 if fitted else open_by.get("sensor_zero", 0.0)
-        )
+        zero = 0.0 if fitted else open_by.get("sensor_zero", 0.0)
+        by_sheet = np.hypot(open_by.get("sensor_gain", 0.0) * angle, zero)
         factor = bound / np.hypot(random, systematic)
         systematic = np.hypot(systematic, by_sheet)
         bound = factor * np.hypot(random, systematic)
@@ -93,31 +83,24 @@ def to_angle(recording: xr.Dataset, calibration: xr.Dataset | None = None, mode:
     name, units = ("rate", "rad/s") if turns else ("angle", "rad")
 
     def variable(values: Floats, text: str, **more: str) -> tuple[str, Floats, dict[str, str]]:
-        return (
-            "time",
-            np.broadcast_to(values, angle.shape).copy(),
-            {"units": units, "long_name": text, **more},
-        )
+        whole = np.broadcast_to(values, angle.shape).copy()
+        return "time", whole, {"units": units, "long_name": text, **more}
 
     parts = " ".join(f"{name}_{part}" for part in _PARTS)
-    kept = {
-        key: recording.attrs[key] for key in ("recording", "campaign", "role", "file", "sha256", "source")
-    }
+    what = "angular rate" if turns else "angle from the vertical"
+    held = PAPER_BOUND if notes["mode"] == "paper" else BOUND.replace("angle", name)
+    kept = {key: recording.attrs[key] for key in _NAMED}
     kept |= {key: recording.attrs[key] for key in _CARRIED if key in recording.attrs}
     emulated = recording.attrs["emulated"]
     if unit == "V" and calibration is not None and calibration.attrs["emulated"] == "yes":
         emulated = "yes"
     return xr.Dataset(
         {
-            name: variable(
-                angle, "angular rate" if turns else "angle from the vertical", ancillary_variables=parts
-            ),
+            name: variable(angle, what, ancillary_variables=parts),
             f"{name}_standard_uncertainty": variable(total, f"standard uncertainty of the {name}"),
             f"{name}_random_uncertainty": variable(random, "part that differs from sample to sample"),
             f"{name}_systematic_uncertainty": variable(systematic, "part that all samples share"),
-            f"{name}_bound": variable(
-                bound, PAPER_BOUND if notes["mode"] == "paper" else BOUND.replace("angle", name)
-            ),
+            f"{name}_bound": variable(bound, held),
             **as_variables(slack)[0],
             **carried(recording),
         },
@@ -136,9 +119,7 @@ def to_angle(recording: xr.Dataset, calibration: xr.Dataset | None = None, mode:
 def _from_volts(
     recording: xr.Dataset, calibration: xr.Dataset | None, mode: str
 ) -> tuple[Floats, Floats, Floats, Floats, dict[str, Any]]:
-    """Eq. 11 in absolute form: angle = m (V - V0), u^2 = (V - V0)^2 u_m^2 + m^2 (u_V^2 + u_V0^2) + the
-    covariance.
-    """
+    """Eq. 11 in absolute form: angle = m (V - V0), u^2 = (V - V0)^2 u_m^2 + m^2 (u_V^2 + u_V0^2) + the covariance."""
     name, campaign = recording.attrs["recording"], recording.attrs["campaign"]
     if calibration is None:
         raise InputError(
@@ -164,23 +145,15 @@ def _from_volts(
     covariance, u_zero = float(own["slope_rest_covariance"]), float(own["rest_voltage_uncertainty"])
     away = volts - zero
     line = away**2 * variance + slope**2 * u_zero**2 - 2 * slope * away * covariance
-    encoder = (
-        slope
-        * limit_at(
-            volts,
-            calibration["encoder_up_to"].values,
-            calibration["encoder_limit"].values,
-            "as the apparatus sheet says",
-            name,
-        )
-    ) ** 2
+    up_to, limits = (calibration[key].values for key in ("encoder_up_to", "encoder_limit"))
+    encoder = (slope * limit_at(volts, up_to, limits, "as the apparatus sheet says", name)) ** 2
     if mode != "paper":
         encoder = encoder / 3  # a uniform distribution
     noise = np.full_like(volts, (slope * float(calibration["noise_voltage"])) ** 2)
     if calibration.attrs["encoder_kind"] == "random":
-        random, systematic = np.sqrt(noise + encoder), np.sqrt(line)
+        random, systematic, what = np.sqrt(noise + encoder), np.sqrt(line), "line and zero"
     else:
-        random, systematic = np.sqrt(noise), np.sqrt(line + encoder)
+        random, systematic, what = np.sqrt(noise), np.sqrt(line + encoder), "line, zero and encoder"
     factor = float(own["coverage_factor"])
     if mode == "paper":  # limits: the encoder's holds a sample's noise as well
         bound = np.sqrt(line + encoder)
@@ -189,13 +162,7 @@ def _from_volts(
         bound = np.interp(volts, calibration["grid"].values, half.values) * np.hypot(random, systematic)
     else:
         bound = factor * np.hypot(random, systematic)
-    notes = {
-        "mode": mode,
-        "coverage_factor": factor,
-        "systematic": "line, zero and encoder"
-        if calibration.attrs["encoder_kind"] == "systematic"
-        else "line and zero",
-    }
+    notes = {"mode": mode, "coverage_factor": factor, "systematic": what}
     return slope * away, random, systematic, bound, notes
 
 
@@ -209,11 +176,8 @@ def _noise(times: Floats, values: Floats, healed: Even) -> Noise:
 def _from_angle(recording: xr.Dataset, unit: str, healed: Even) -> tuple[Floats, Floats, dict[str, Any]]:
     """Angle, random uncertainty and notes; ``healed`` is the signal on an even grid, spikes healed."""
     values, times = recording["signal"].values, recording["time"].values
-    scale = (
-        recording.attrs.get("rad_per_unit")
-        or _RAD.get(unit)
-        or 2 * pi / recording.attrs["counts_per_revolution"]
-    )
+    scale = recording.attrs.get("rad_per_unit") or _RAD.get(unit)
+    scale = scale or 2 * pi / recording.attrs["counts_per_revolution"]
     step = 1.0 if unit == "counts" else quantisation_step(values)
     colour: dict[str, float] = {}
     if step:
@@ -224,11 +188,7 @@ def _from_angle(recording: xr.Dataset, unit: str, healed: Even) -> tuple[Floats,
         colour = {"noise_correlation": noise.correlation} if noise.correlation else {}
     if recording.attrs.get("scale") == "unknown":
         mode = UNSCALED
-    notes: dict[str, Any] = {
-        "mode": mode,
-        "coverage_factor": factor,
-        "systematic": "not known: no calibration; set to 0",
-        **colour,
-    }
+    notes: dict[str, Any] = {"mode": mode, "coverage_factor": factor}
+    notes |= {"systematic": "not known: no calibration; set to 0", **colour}
     hangs = recording.attrs.get("zero_rad", 0.0)
     return scale * values - hangs, np.full(len(values), scale * u), notes

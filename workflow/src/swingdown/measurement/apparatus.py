@@ -38,30 +38,19 @@ def read_apparatus(path: str | Path, check_files: bool = True) -> Apparatus:
     """
     found = find(path)
     if not found.is_file():
-        raise InputError(
-            path,
-            "there is no such apparatus sheet",
-            "a YAML file",
-            "correct the key `apparatus` of the config",
-        )
+        problem = "there is no such apparatus sheet"
+        raise InputError(path, problem, "a YAML file", "correct the key `apparatus` of the config")
     apparatus: Apparatus = check(read_yaml(found, path), "apparatus.schema.yaml", path) | {"path": str(path)}
     points = apparatus["points"]
     if len(points) < FEWEST:
-        raise InputError(
-            f"{path}, key points",
-            f"{len(points)} calibration point(s)",
-            f"at least {FEWEST}",
-            "record more tower heights",
-        )
+        problem = f"{len(points)} calibration point(s)"
+        raise InputError(f"{path}, key points", problem, f"at least {FEWEST}", "record more tower heights")
     for number, point in enumerate(points, 1):
         _check_height(apparatus, point["height"], f"{path}, key points[{number}].height")
         if check_files and not is_url(point["file"]) and not find(point["file"]).is_file():
-            raise InputError(
-                f"{path}, key points[{number}].file",
-                f"there is no file {point['file']}",
-                "a path relative to the working directory, an absolute path or a URL",
-                "correct the path",
-            )
+            problem = f"there is no file {point['file']}"
+            expected = "a path relative to the working directory, an absolute path or a URL"
+            raise InputError(f"{path}, key points[{number}].file", problem, expected, "correct the path")
     for place, size, limit, unit in _limits(apparatus):
         wanted, why = f"a limit of error in {unit}", ""
         if limit > size:
@@ -73,9 +62,8 @@ def read_apparatus(path: str | Path, check_files: bool = True) -> Apparatus:
             raise InputError(f"{path}, key {place}", told, wanted, "correct the limit")
     bounds = [entry["up_to"] for entry in apparatus["encoder"]["limits"]]
     if bounds != sorted(set(bounds)):
-        raise InputError(
-            f"{path}, key encoder.limits", "up_to does not rise", "limits in rising order", "sort them"
-        )
+        problem = "up_to does not rise"
+        raise InputError(f"{path}, key encoder.limits", problem, "limits in rising order", "sort them")
     return apparatus
 
 
@@ -106,9 +94,7 @@ def _check_height(apparatus: Apparatus, height: float, place: str) -> None:
 
 
 def length_inputs(apparatus: Apparatus) -> tuple[list[Input], list[Input]]:
-    """The shared lengths (over_shaft, shaft_diameter, bob_diameter, arm) as Inputs, and the heights' (lists;
-    m).
-    """
+    """The shared lengths (over_shaft, shaft_diameter, bob_diameter, arm) as Inputs, and the heights' (lists; m)."""
     shared = [
         _length(name, apparatus["lengths"][name], apparatus["lengths"][name]["value"]) for name in _SHARED
     ]
@@ -140,10 +126,7 @@ def limit_at(
     """
     size = np.abs(np.asarray(voltage, dtype=float))
     if np.any(size > up_to[-1]):
-        raise InputError(
-            place,
-            f"{float(size.max()):.5g} V is beyond the encoder's range",
-            f"at most {up_to[-1]:g} V ({source})",
-            "correct the signal's unit or the apparatus sheet",
-        )
+        problem = f"{float(size.max()):.5g} V is beyond the encoder's range"
+        expected = f"at most {up_to[-1]:g} V ({source})"
+        raise InputError(place, problem, expected, "correct the signal's unit or the apparatus sheet")
     return np.asarray(limits, dtype=float)[np.searchsorted(up_to, size)]

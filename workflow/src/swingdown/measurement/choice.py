@@ -1,7 +1,7 @@
 """Which columns of a table hold the time, the swing and what was measured of its drive."""
 
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -28,6 +28,7 @@ from .files.columns import (
 from .files.table import Table, first_rows
 from .gyroscope import ASKEW, TO_RAD_PER_S
 from .plausibility import ENOUGH, in_a_row
+from .sheet import Row
 from .swings.clock import RISES, counts_rows, goes_on
 
 SHORTEST = 10  # samples; fewer tell nothing about a swing
@@ -55,7 +56,7 @@ class Chosen(NamedTuple):
     unit: str  # as stated anywhere, or ""
 
 
-def input_of(table: Table, row: Mapping[str, Any], place: str) -> list[str]:
+def input_of(table: Table, row: Row, place: str) -> list[str]:
     """The column of what was measured of the drive, as the row names it; none of a pendulum that swings by itself."""
     wanted = row.get("input_column", "")
     if not wanted:
@@ -79,15 +80,21 @@ def guessed_in(table: Table) -> bool:
     return says_nothing(table) or ("no header" in table.layout and len(table.names) > 2)
 
 
-def may_be_it(table: Table, row: Mapping[str, Any]) -> list[str]:
+def _by_words(table: Table, row: Row) -> list[Meaning]:
+    """The columns of the swing by names and units alone, where the sheet's ``row`` names none; none where these allow no choice."""
+    try:
+        return choose(table.names, row["time_column"], "", "", ("", row["signal_unit"]), table.units)[1]
+    except InputError:
+        return []
+
+
+def may_be_it(table: Table, row: Row) -> list[str]:
     """The columns of which each may be the swing, as far as names and units say, where the sheet's ``row`` names none; of one alone, none."""
     if row["signal_column"] or row["time_column"] not in ("", *table.names):
         return []
     if says_nothing(table):
         return list(table.names)
-    try:
-        _, found = choose(table.names, row["time_column"], "", "", ("", row["signal_unit"]), table.units)
-    except InputError:
+    if not (found := _by_words(table, row)):
         return []
     others = table.meanings
     alike = [
@@ -100,7 +107,7 @@ def may_be_it(table: Table, row: Mapping[str, Any]) -> list[str]:
     return alike if len(found) == 1 and found[0].name in alike and len(alike) > 1 else []
 
 
-def without_still(table: Table, row: Mapping[str, Any]) -> tuple[Table, list[str]]:
+def without_still(table: Table, row: Row) -> tuple[Table, list[str]]:
     """The table without the columns that hold one value throughout, next to no numbers, beside a time the number of the row, or noise
     alone where a column that is called alike swings, and remarks on them, where others move: they are no swing.
 
@@ -143,17 +150,13 @@ def without_still(table: Table, row: Mapping[str, Any]) -> tuple[Table, list[str
     return kept._replace(names=tuple(moving), pieces=[piece[list(moving)] for piece in held]), told
 
 
-def _noise(table: Table, row: Mapping[str, Any], values: Mapping[str, Floats]) -> list[str]:
+def _noise(table: Table, row: Row, values: Mapping[str, Floats]) -> list[str]:
     """Those of several columns that the header tells alike, as the channels of an oscilloscope, which forget themselves,
     where a single other one swings and one of them would be taken for the swing."""
     if "no header" in table.layout or row["signal_column"] or len(values) < 3:  # a time and two more
         return []
-    try:
-        _, found = choose(table.names, row["time_column"], "", "", ("", row["signal_unit"]), table.units)
-    except InputError:
-        return []
-    first, *more = found
-    if more or first.kind not in (UNTOLD, VOLTAGE) or first.axis:
+    found = _by_words(table, row)
+    if len(found) != 1 or (first := found[0]).kind not in (UNTOLD, VOLTAGE) or first.axis:
         return []
     known = [table.meaning(name) for name in values]
     alike = [one.name for one in known if one.kind == first.kind and not one.axis]
@@ -180,7 +183,7 @@ def _forgets(signal: Floats, lag: int) -> bool:
     return most < SURELY * error * float(about @ about)
 
 
-def with_running_time(table: Table, row: Mapping[str, Any]) -> tuple[Table, Mapping[str, Any], list[str]]:
+def with_running_time(table: Table, row: Row) -> tuple[Table, Row, list[str]]:
     """The table and the row with a clock, and a remark, where a column holds how much time passed since the row before.
 
     Such a column rises and falls from row to row. Where another one is a time it is left out, and else its running sum is the time.
@@ -190,11 +193,11 @@ def with_running_time(table: Table, row: Mapping[str, Any]) -> tuple[Table, Mapp
     if not named or len(known) < 2:
         return table, row, []
     table, held = first_rows(table, 0)
-    if not held:
+    if not held or len(held[-1]) < 2:
         return table, row, []
     first = held[-1]
     steps = [name for name in named if not goes_on(table.numbers(first, name))]
-    if not steps or len(first) < 2:
+    if not steps:
         return table, row, []
     others = [one.name for one in known if one.kind == TIME and one.name not in steps]
     clock = row["time_column"] or (others[0] if others else steps[0])
@@ -214,14 +217,11 @@ def with_running_time(table: Table, row: Mapping[str, Any]) -> tuple[Table, Mapp
         return rows.assign(**{clock: times})
 
     told = f"`{clock}` tells what passed since the row before: its running sum is the time"
-    return (
-        table._replace(names=names, pieces=map(summed, table.pieces)),
-        {**row, "time_column": clock},
-        [told],
-    )
+    summed_up = table._replace(names=names, pieces=map(summed, table.pieces))
+    return summed_up, {**row, "time_column": clock}, [told]
 
 
-def with_rising_time(table: Table, row: Mapping[str, Any]) -> tuple[Table, Mapping[str, Any], list[str]]:
+def with_rising_time(table: Table, row: Row) -> tuple[Table, Row, list[str]]:
     """The table and the row with the column of the time, and a remark, where none says that it is one and another than the first rises."""
     kinds = [table.meaning(name).kind for name in table.names]
     if row["time_column"] or TIME in kinds or kinds[0] != UNTOLD:
@@ -234,11 +234,9 @@ def with_rising_time(table: Table, row: Mapping[str, Any]) -> tuple[Table, Mappi
             "write the frames or samples a second ⟨in rate_hz⟩",
         )
     table, held = first_rows(table, 0)
-    if not held:
+    if not held or len(held[-1]) < 2:  # of one row nothing rises
         return table, row, []
     first = held[-1]
-    if len(first) < 2:  # of one row nothing rises
-        return table, row, []
     values = {key: table.numbers(first, key) for key in table.names}
     one = values[table.names[0]]
     backwards = goes_on(one[::-1])  # the last row is the first
@@ -260,7 +258,7 @@ def with_rising_time(table: Table, row: Mapping[str, Any]) -> tuple[Table, Mappi
     return table._replace(names=names), {**row, "time_column": clocks[0]}, [told]
 
 
-def columns_of(table: Table, row: Mapping[str, Any], place: str, restoring: str = "sine") -> Chosen:
+def columns_of(table: Table, row: Row, place: str, restoring: str = "sine") -> Chosen:
     """The columns of time and swing, by the ``row`` of the sheet and their headers; InputError where these are none, or their units do not fit.
 
     What a spring pulls back has force and acceleration in step with its way: whatever the column that the sheet names then holds swings as it does.
@@ -315,44 +313,33 @@ def widest(times: Floats, angles: Mapping[str, Floats], place: str) -> tuple[int
     """
     sizes = {name: float(np.std(angles[name])) for name in _swinging(dict.fromkeys(angles, times), angles)}
     most = max(sizes, key=lambda name: sizes[name], default=next(iter(angles)))
-    ask_which(
-        times, {name: angles[name] for name, size in sizes.items() if size > ASKEW * sizes[most]}, place
-    )
+    wide = {name: angles[name] for name, size in sizes.items() if size > ASKEW * sizes[most]}
+    ask_which(times, wide, place)
     told = f"of {len(angles)} angles `{most}` swings and was taken (⟨signal_column⟩ says otherwise)"
     return list(angles).index(most), [told]
 
 
 def _swinging(times: Mapping[str, Floats], swings: Mapping[str, Floats]) -> list[str]:
     """Those that swing, by their names; ``times`` are of each its own."""
-    return [
-        name
-        for name, own in swings.items()
-        if in_a_row(times[name][np.isfinite(own)], own[np.isfinite(own)]) >= ENOUGH
-    ]
+    known = {name: np.isfinite(own) for name, own in swings.items()}
+    return [name for name, at in known.items() if in_a_row(times[name][at], swings[name][at]) >= ENOUGH]
 
 
 def ask_which(times: Floats, swings: Mapping[str, Floats], place: str) -> None:
     """None where at most one of several columns swings; SeveralSwings for more, none of which says what it holds."""
     swinging = _swinging(dict.fromkeys(swings, times), swings)
     if len(swinging) > 1:
-        raise SeveralSwings(
-            place,
-            f"{len(swinging)} of its columns swing, and none says that it is the pendulum's: {', '.join(swinging)}",
-            "one swing",
-            "name the column of the swing ⟨in signal_column⟩",
-        )
+        problem = f"{len(swinging)} of its columns swing, and none says that it is the pendulum's: {', '.join(swinging)}"
+        raise SeveralSwings(place, problem, "one swing", "name the column of the swing ⟨in signal_column⟩")
 
 
-def _check_own_unit(column: Meaning, row: Mapping[str, Any], key: str, name: str, place: str) -> None:
+def _check_own_unit(column: Meaning, row: Row, key: str, name: str, place: str) -> None:
     """Refuses a unit in the sheet that is another than the one the file's attribute ``units`` tells."""
     said = row[f"{key}_unit"]
     if said and column.attribute and column.kind != UNTOLD and column.unit != said:
-        raise InputError(
-            f"{name} ({place}, column {key}_unit)",
-            f"the sheet says {said!r} and the file says {column.written!r} of {column.name!r}",
-            "one unit",
-            f"correct ⟨{key}_unit⟩, or the file's own attribute `units`",
-        )
+        problem = f"the sheet says {said!r} and the file says {column.written!r} of {column.name!r}"
+        mend = f"correct ⟨{key}_unit⟩, or the file's own attribute `units`"
+        raise InputError(f"{name} ({place}, column {key}_unit)", problem, "one unit", mend)
 
 
 def _check_column(
@@ -370,10 +357,8 @@ def _check_column(
     )
 
 
-def _check_unit(row: Mapping[str, Any], column: str, unit: str, name: str, place: str) -> None:
-    """Refuses units that need more than the file tells: they are stated in the sheet, where the workflow sees
-    them.
-    """
+def _check_unit(row: Row, column: str, unit: str, name: str, place: str) -> None:
+    """Refuses units that need more than the file tells: they are stated in the sheet, where the workflow sees them."""
     if not row["signal_unit"] and unit == "V" and not row.get("scale"):
         raise Uncalibrated(
             f"{name} ({place}, column signal_unit)",
@@ -383,13 +368,11 @@ def _check_unit(row: Mapping[str, Any], column: str, unit: str, name: str, place
             "(relative: period and decay alone), or convert it to rad or deg",
         )
     turns = unit in TO_RAD_PER_S
-    if (
-        np.nan_to_num(row.get(other := "zero_tolerance_rad" if turns else "zero_tolerance_rad_per_s", 0.0))
-        > 0
-    ):
+    own, other = ("rad_per_s", "rad") if turns else ("rad", "rad_per_s")
+    if np.nan_to_num(row.get(f"zero_tolerance_{other}", 0.0)) > 0:
         raise InputError(
-            f"{name} ({place}, column {other})",
+            f"{name} ({place}, column zero_tolerance_{other})",
             f"the signal is in {unit}",
             f"the limit of its zero in {'rad/s' if turns else 'rad'}",
-            f"write it in the column {'zero_tolerance_rad_per_s' if turns else 'zero_tolerance_rad'}",
+            f"write it in the column zero_tolerance_{own}",
         )

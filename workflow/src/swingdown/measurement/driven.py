@@ -14,7 +14,7 @@ from ..pendulum.drive import BETWEEN, FREE, KINDS, Drive, drive
 from .judge import Judged, Reading
 from .plausibility import hanging
 from .swings.quality import check_signal
-from .swings.release import Window
+from .swings.release import WHOLE
 from .swings.spikes import Spikes
 from .units import NO_SCALE, TURNS, unwrapped
 
@@ -72,12 +72,8 @@ def stated(given: Mapping[str, Any], where: str) -> Stated:
     """
     kind, unit = str(given.get("input_kind") or ""), str(given.get("input_unit") or "")
     if not kind:
-        raise InputError(
-            f"{where}, input_kind",
-            "an input is named, and its kind is not stated",
-            " or ".join(KINDS),
-            "say what it is",
-        )
+        problem = "an input is named, and its kind is not stated"
+        raise InputError(f"{where}, input_kind", problem, " or ".join(KINDS), "say what it is")
     for key, known in (("input_kind", tuple(KINDS)), ("input_between", BETWEEN)):
         if (found := str(given.get(key) or "")) and found not in known:
             raise InputError(f"{where}, {key}", f"unknown {key} {found!r}", " or ".join(known))
@@ -111,7 +107,7 @@ def judge_driven(times: Floats, signal: Floats, reading: Reading, place: str) ->
         )  # fmt: skip
     zero, told = hanging(signal, reading.scale, False) if reading.scale else (0.0, [])
     nothing = Spikes(np.zeros(signal.size, dtype=bool), signal)
-    return Judged(signal, reading, nothing, [Window(np.nan, np.nan, np.nan, False)], zero, remarks + told)
+    return Judged(signal, reading, nothing, [WHOLE], zero, remarks + told)
 
 
 def as_variables(times: Floats, values: Floats, said: Stated, place: str) -> dict[str, Any]:
@@ -119,9 +115,8 @@ def as_variables(times: Floats, values: Floats, said: Stated, place: str) -> dic
     try:
         drive(times, said.factor * values, said.kind, said.between, said.free)
     except InputError as problem:
-        raise InputError(
-            f"{place}, {problem.where}", problem.problem, problem.expected, problem.mend
-        ) from problem
+        mend = problem.mend
+        raise InputError(f"{place}, {problem.where}", problem.problem, problem.expected, mend) from problem
     unit = said.unit if said.kind == "torque" and said.unit not in UNITS["torque"] else KINDS[said.kind]
     about = {
         "units": unit or "as given", "long_name": f"measured input: {said.kind.replace('_', ' ')}",
@@ -152,12 +147,9 @@ def check_free(recordings: Sequence[xr.Dataset], what: str) -> None:
     """None where no recording has an input; else InputError that ``what`` is of a pendulum that swings by itself."""
     if any("input" in one for one in recordings):
         name = str(recordings[0].attrs.get("campaign", ""))
-        raise InputError(
-            f"campaign {name}",
-            f"it is driven, and {what}",
-            "a pendulum that swings by itself",
-            "record a ring-down too",
-        )
+        problem = f"it is driven, and {what}"
+        expected = "a pendulum that swings by itself"
+        raise InputError(f"campaign {name}", problem, expected, "record a ring-down too")
 
 
 def driven(recordings: Sequence[xr.Dataset]) -> Drive | None:

@@ -45,22 +45,15 @@ def check_rate(times: Floats, signal: Floats, unit: str, place: str) -> list[str
     rate, swings = signal * TO_RAD_PER_S[unit], half_swings(signal)
     period, fastest = swings.period(times), float(np.abs(rate).max())
     if fastest * period > 2 * pi * FASTEST:
-        raise InputError(
-            place,
-            f"taken for {unit} it reaches {fastest:.4g} rad/s with a period of {period:.3g} s, which no pendulum does",
-            f"at most {2 * pi * FASTEST / period:.3g} rad/s",
-            "write deg/s ⟨in signal_unit⟩ if these are degrees a second, or check the unit of the time",
-        )
+        problem = f"taken for {unit} it reaches {fastest:.4g} rad/s with a period of {period:.3g} s, which no pendulum does"
+        mend = "write deg/s ⟨in signal_unit⟩ if these are degrees a second, or check the unit of the time"
+        raise InputError(place, problem, f"at most {2 * pi * FASTEST / period:.3g} rad/s", mend)
     zero = swings.centre() * TO_RAD_PER_S[unit]
     if abs(zero) > ZERO_TOLERANCE and np.mean(rate * zero > 0) > ONE_WAY:
-        raise InputError(
-            place,
-            f"it turns one way all the time, at about {zero:.2g} rad/s",
-            "a pendulum, which turns back after each half-swing",
-            "name the column of the axis that it swings about ⟨in signal_column⟩",
-        )
+        problem = f"it turns one way all the time, at about {zero:.2g} rad/s"
+        mend = "name the column of the axis that it swings about ⟨in signal_column⟩"
+        raise InputError(place, problem, "a pendulum, which turns back after each half-swing", mend)
     if abs(zero) > ZERO_TOLERANCE:
-        return [
-            f"it reads about {zero:.2g} rad/s at rest, more than gyroscopes usually do: state a limit in zero_tolerance_rad_per_s"
-        ]
+        remark = f"it reads about {zero:.2g} rad/s at rest, more than gyroscopes usually do: state a limit in zero_tolerance_rad_per_s"
+        return [remark]
     return []

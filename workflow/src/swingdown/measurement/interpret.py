@@ -1,9 +1,7 @@
 """What a file's columns mean: the times in order, the signal, and what it is read as; which columns these are is ``choice``."""
 
-from collections.abc import Mapping
 from dataclasses import replace
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 
@@ -33,6 +31,7 @@ from .files.series import series
 from .files.table import Table, apart, first_rows
 from .positions import check_no_positions
 from .refused import WHICH_COLUMN
+from .sheet import Row
 from .signal import Interpreted, signal_of
 from .swings.clock import RESTART, counts_rows, counts_ticks, in_order, parts
 from .swings.continuity import check_one_series
@@ -41,7 +40,7 @@ from .units import A_DAY, time_factor
 TWICE = 0.2  # by which the ratio of two periods may be off 2
 
 
-def interpret(table: Table, row: Mapping[str, Any], place: str, restoring: str) -> Interpreted:
+def interpret(table: Table, row: Row, place: str, restoring: str) -> Interpreted:
     """What the columns of a table are: the time, and the angle, rate or position.
 
     Parameters
@@ -110,14 +109,9 @@ def interpret(table: Table, row: Mapping[str, Any], place: str, restoring: str) 
     times, values = ordered.times, [one[ordered.kept] for one in values]
     drive = values.pop(len(names)) if drives else None
     remarks = rising + (["the last line has no end and was left out"] if table.cut else [])
-    remarks += [
-        *table.remarks,
-        *([table.about["paused"]] if "paused" in table.about else []),
-        *told,
-        *ordered.remarks,
-        *odd,
-        *_passed_over(table, columns, row, read),
-    ]
+    paused = [table.about["paused"]] if "paused" in table.about else []
+    remarks += [*table.remarks, *paused, *told, *ordered.remarks, *odd]
+    remarks += _passed_over(table, columns, row, read)
     if alike:
         ask_which(times, dict(zip([*names, *alike], values, strict=True)), f"{row['file']} ({place})")
     if beside:
@@ -132,12 +126,8 @@ def interpret(table: Table, row: Mapping[str, Any], place: str, restoring: str) 
     made = signal_of(row, place, columns, times, dict(zip(names, values, strict=False)), restoring, third)
     if len(names) > 1 and len(columns.found) == 1:  # of a gyroscope's axes the one that turns most
         columns = columns._replace(found=[replace(columns.found[0], name=made.column)])
-    told_unit = columns.time_unit or {
-        1e-3: "MS (no unit is stated)",
-        1e-6: "US (no unit is stated)",
-        1e-9: "NS (no unit is stated)",
-        A_DAY: "DAYS (no unit is stated)",
-    }.get(factor, "s (no unit is stated)")
+    taken = {1e-3: "MS", 1e-6: "US", 1e-9: "NS", A_DAY: "DAYS"}.get(factor, "s")
+    told_unit = columns.time_unit or f"{taken} (no unit is stated)"
     if moved := [one for one in table.names if one not in read and moves_it(one)]:
         made = made._replace(about=made.about | {"drive_beside": ", ".join(moved)})
     return made._replace(
@@ -147,7 +137,7 @@ def interpret(table: Table, row: Mapping[str, Any], place: str, restoring: str) 
     )  # fmt: skip
 
 
-def _passed_over(table: Table, columns: Chosen, row: Mapping[str, Any], read: list[str]) -> list[str]:
+def _passed_over(table: Table, columns: Chosen, row: Row, read: list[str]) -> list[str]:
     """A remark on the columns of angles that were not taken, for the first was; none where the sheet names one."""
     swing = columns.found[0]
     if row["signal_column"] or len(columns.found) > 1 or swing.kind != ANGLE:
@@ -162,9 +152,8 @@ def _passed_over(table: Table, columns: Chosen, row: Mapping[str, Any], read: li
     if not others:
         return []
     also = ", ".join(f"`{name}`" for name in others)
-    return [
-        f"`{swing.name}` was taken, the first column of angles, and not {also} (⟨signal_column⟩ says otherwise)"
-    ]
+    remark = f"`{swing.name}` was taken, the first column of angles, and not {also} (⟨signal_column⟩ says otherwise)"
+    return [remark]
 
 
 def _written(table: Table, column: str) -> str:
@@ -193,7 +182,7 @@ def _numbering(table: Table, clock: str, read: list[str]) -> tuple[Table, list[s
 
 
 def _part(
-    times: Floats, numbers: Floats, numbering: list[str], row: Mapping[str, Any], where: str
+    times: Floats, numbers: Floats, numbering: list[str], row: Row, where: str
 ) -> tuple[slice, list[str]]:
     """The piece of a recording whose clock counts anew, or of which each run has one of the ``numbers``, that the sheet's cell ``run`` names;
     SeveralRuns where it names none."""
@@ -214,8 +203,8 @@ def _part(
 
 
 def _with_window(
-    table: Table, row: Mapping[str, Any], columns: Chosen, where: str
-) -> tuple[Table, Mapping[str, Any], tuple[float, list[str]] | None]:
+    table: Table, row: Row, columns: Chosen, where: str
+) -> tuple[Table, Row, tuple[float, list[str]] | None]:
     """The table, the row with its window (s) in the unit of the file's times, and what ``time_factor`` finds where nobody states that unit.
 
     A window can leave no whole period: the first rows tell the unit, whatever the window.
@@ -236,7 +225,7 @@ def _with_window(
     return table, {**row, **{key: limit / found[0] for key, limit in window.items()}}, found
 
 
-def _ticks(times: Floats, table: Table, row: Mapping[str, Any]) -> str:
+def _ticks(times: Floats, table: Table, row: Row) -> str:
     """The word for ``time_factor`` on times as a processor's clock counts them; "" for others."""
     counted = "asked" if guessed_in(table) and not row["signal_column"] else "taken"
     return counted if counts_ticks(times) else ""
@@ -245,12 +234,9 @@ def _ticks(times: Floats, table: Table, row: Mapping[str, Any]) -> str:
 def _check_no_count(times: Floats, place: str) -> None:
     """InputError where what stands for the time, in no stated unit, counts the rows: how many a second were taken nobody says."""
     if counts_rows(times):
-        raise InputError(
-            place,
-            "it counts the rows, and no unit says that it is a time",
-            "a column of time, or the samples a second",
-            "write the samples a second ⟨in rate_hz⟩; if one was taken each second or millisecond, s or ms ⟨in time_unit⟩",
-        )
+        problem = "it counts the rows, and no unit says that it is a time"
+        mend = "write the samples a second ⟨in rate_hz⟩; if one was taken each second or millisecond, s or ms ⟨in time_unit⟩"
+        raise InputError(place, problem, "a column of time, or the samples a second", mend)
 
 
 def _check_slowest(times: Floats, taken: Floats, other: Floats, place: str) -> None:

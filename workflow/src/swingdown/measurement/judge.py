@@ -210,7 +210,7 @@ def check_used(times: Floats, judged: Judged, used: slice, place: str, partial: 
         )
     check_countable(times[used], healed, place)
     remarks = check_shrinks(healed, place)
-    return remarks + check_continuous(times[used], judged.signal[used], place, judged.spikes.within(used))
+    return remarks + check_continuous(times[used], judged.signal[used], judged.spikes.within(used))
 
 
 def _check_swings(signal: Floats, reading: Reading, passed: int, place: str) -> None:
@@ -239,16 +239,12 @@ def used_part(
     if len(windows) > 1:
         told = [f"the pendulum is released {len(windows)} times in it"]
         last = last._replace(ends=np.nan)
-    found = Window(
-        first.released,
-        np.nan if by_hand[0] else first.begins,
-        np.nan if by_hand[1] else last.ends,
-        last.rests,
-    )
+    begins, ends = np.nan if by_hand[0] else first.begins, np.nan if by_hand[1] else last.ends
+    found = Window(first.released, begins, ends, last.rests)
     about: dict[str, float] = {}
     if first.why and not any(by_hand):
-        ends = {"begins_s": found.begins, "ends_s": found.ends}
-        about = {key: at for key, at in ends.items() if np.isfinite(at)}
+        known = {"begins_s": found.begins, "ends_s": found.ends}
+        about = {key: at for key, at in known.items() if np.isfinite(at)}
         words = {"begins_s": "from {:.3f} s on", "ends_s": "until {:.3f} s"}
         used = " and ".join(words[key].format(at) for key, at in about.items())
         return found, [*told, f"{first.why}, {used} (⟨start_s⟩ and ⟨stop_s⟩ say otherwise)"], about

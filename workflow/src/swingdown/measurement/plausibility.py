@@ -148,11 +148,9 @@ def check_once(signal: Floats, place: str) -> None:
     centre, turns = swings.centre(), swings.turns * np.sign(swings.centre())
     sizes = np.abs(np.diff(swings.turns[1:-1]))
     # a bob on a circle pulls with cos a to 3 - 2 cos a times its weight: about more than that by a sixth of the way between them
-    rest = (
-        float(np.median(np.abs(swings.centres()) - (sizes[1:] + sizes[:-1]) / 12))
-        if len(sizes) > 1
-        else np.nan
-    )
+    rest = np.nan
+    if len(sizes) > 1:
+        rest = float(np.median(np.abs(swings.centres()) - (sizes[1:] + sizes[:-1]) / 12))
     known = [unit for unit, weight in GRAVITY.items() if abs(rest / weight - 1) < NEAR]  # not nan
     if known and turns.min() > 0:  # weight pulls the string, and never pushes it
         what = f"it swings about {centre:.3g}, as what an accelerometer along the string reads in {known[0]}"
@@ -185,12 +183,9 @@ def check_shrinks(signal: Floats, place: str) -> list[str]:
     if spread < NARROWS:
         return []
     if last > GROWS * first and spread > GROWS:
-        raise InputError(
-            place,
-            f"its swings grow: in the last third of the recording they are {last / first:.2f} times as wide as in the first",
-            "a pendulum that nothing drives: it swings less and less",
-            "leave the driven part out with ⟨start_s⟩ and ⟨stop_s⟩",
-        )
+        problem = f"its swings grow: in the last third of the recording they are {last / first:.2f} times as wide as in the first"
+        expected = "a pendulum that nothing drives: it swings less and less"
+        raise InputError(place, problem, expected, "leave the driven part out with ⟨start_s⟩ and ⟨stop_s⟩")
     if last < (1 - SHRINKS) * first:
         return []
     return [
@@ -211,9 +206,8 @@ def hanging(signal: Floats, scale: float, turns: bool = True) -> tuple[float, li
     if not abs(rest) > CENTRED:  # nan too
         return 0.0, []
     # turns from a zero that is nowhere in particular say nothing
-    return centre, [
-        f"it swings about {centre:.3g} rad ({np.degrees(centre):.3g}°), and 0 should be where it hangs: this is taken away"
-    ]
+    remark = f"it swings about {centre:.3g} rad ({np.degrees(centre):.3g}°), and 0 should be where it hangs: this is taken away"
+    return centre, [remark]
 
 
 def drift(angle: Floats) -> list[str]:
@@ -225,6 +219,5 @@ def drift(angle: Floats) -> list[str]:
     moved = float(np.median(centres[-part:]) - np.median(centres[:part]))
     if abs(moved) < DRIFTED:
         return []
-    return [
-        f"its middle drifts by {moved:.2g} rad ({np.degrees(moved):.2g}°) from its first swings to its last, and 0 should stay where it hangs"
-    ]
+    remark = f"its middle drifts by {moved:.2g} rad ({np.degrees(moved):.2g}°) from its first swings to its last, and 0 should stay where it hangs"
+    return [remark]

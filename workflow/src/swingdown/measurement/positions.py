@@ -187,9 +187,8 @@ def _taubin(u: Floats, v: Floats, place: str) -> tuple[float, float, float]:
     first, second, third = np.linalg.svd(design, full_matrices=False)[2][-1]
     first = first / (2 * np.sqrt(mean))
     if abs(first) < 1e-9:
-        raise InputError(
-            place, "the positions lie on a straight line", "an arc about a pivot", "export both coordinates"
-        )
+        problem = "the positions lie on a straight line"
+        raise InputError(place, problem, "an arc about a pivot", "export both coordinates")
     a, b = -second / (2 * first), -third / (2 * first)
     return float(a), float(b), float(np.sqrt(second**2 + third**2 + 4 * first**2 * mean) / (2 * abs(first)))
 
@@ -232,12 +231,9 @@ def by_length(x: Floats, length: float, place: str) -> Floats:
     """The angle (rad) of a bob ``length`` below its pivot from one horizontal coordinate, both in one unit: the arcsine about the middle."""
     away = x - _middle(x)
     if (reach := float(np.abs(away).max())) > length:
-        raise InputError(
-            place,
-            f"it swings by {reach:.4g} to a side, which a pendulum of length {length:.4g} cannot do",
-            "a length from the pivot to the middle of the bob, in the coordinate's unit",
-            "correct ⟨length⟩",
-        )
+        problem = f"it swings by {reach:.4g} to a side, which a pendulum of length {length:.4g} cannot do"
+        expected = "a length from the pivot to the middle of the bob, in the coordinate's unit"
+        raise InputError(place, problem, expected, "correct ⟨length⟩")
     return np.arcsin(away / length)
 
 
@@ -247,16 +243,14 @@ def without_length(times: Floats, x: Floats, in_metres: float, place: str) -> tu
     """
     period = half_swings(x).period(times)
     if not np.isfinite(period):
-        raise InputError(
-            place, "its swing is too short to give a period", "three half-swings or more", "record longer"
-        )
+        problem = "its swing is too short to give a period"
+        raise InputError(place, problem, "three half-swings or more", "record longer")
     length = on_a_string(times, x) / in_metres
     away = x - _middle(x)
     if float(np.percentile(np.abs(away), 99.5)) / length > SMALL:
         return None
-    return away / length, [
-        f"one coordinate and no length: the angle is its share of {length * in_metres:.3g} m, the length of a bob on a string of this period"
-    ]
+    remark = f"one coordinate and no length: the angle is its share of {length * in_metres:.3g} m, the length of a bob on a string of this period"
+    return away / length, [remark]
 
 
 def on_a_string(times: Floats, x: Floats) -> float:

@@ -23,9 +23,9 @@ from .points.passages import ask_periods, passages
 from .points.points_recording import about_file
 from .points.points_table import turning_points
 from .second_reading import OPEN, may_be_read_again
+from .sheet import Row
 from .signal import RELATIVE, Interpreted
 from .slack import tolerances, with_rate
-from .swings.quality import check_signal
 from .swings.release import SeveralReleases, several_releases, within
 from .swings.spikes import Spikes, as_variable
 from .units import NO_SCALE
@@ -44,10 +44,7 @@ STATIC = Judged(np.empty(0), Reading("rad", False), Spikes(np.empty(0, dtype=boo
 
 
 def ingest(
-    row: Mapping[str, Any] | pd.Series,
-    sheet: str = "sample sheet",
-    restoring: str = "sine",
-    calibrated: bool = True,
+    row: Row | pd.Series, sheet: str = "sample sheet", restoring: str = "sine", calibrated: bool = True
 ) -> xr.Dataset:
     """The dataset of one recording: ``signal(time)`` as recorded, ``time`` in s, provenance.
 
@@ -82,11 +79,8 @@ def ingest(
 
 
 def _ingest(row: dict[str, Any], sheet: str, restoring: str) -> xr.Dataset:
-    place = (
-        f"{sheet}, line {row['line']}, {row['recording']}"
-        if "line" in row
-        else f"{sheet}, {row['recording']}"
-    )
+    line = f"line {row['line']}, " if "line" in row else ""
+    place = f"{sheet}, {line}{row['recording']}"
     with opened(row["file"], place) as source:
         digest = check_sha256(source, row["sha256"], row["file"], place)
         table, row = with_stated_length(table_of(source, row), row, place)
@@ -117,12 +111,9 @@ def _ingest(row: dict[str, Any], sheet: str, restoring: str) -> xr.Dataset:
             ) from None
 
 
-def _dataset(
-    row: Mapping[str, Any], table: Table, found: Interpreted, about: dict[str, Any], place: str
-) -> xr.Dataset:
+def _dataset(row: Row, table: Table, found: Interpreted, about: dict[str, Any], place: str) -> xr.Dataset:
     where, said = f"{row['file']}, {place_of(found.column)} ({place})", None
     if row["role"] == "static":
-        check_signal(found.times, found.signal, where, static=True)
         judged, kept = STATIC, dict[str, float]()
         signal, reading, remarks = found.signal, found.reading, found.remarks
     elif (said := driven_so(row, found, place)) is not None:
@@ -136,12 +127,12 @@ def _dataset(
     unit = reading.unit
     unscaled = np.isnan(found.reading.scale) or (unit == NO_SCALE and not reading.stated)
     turned = {"zero_rad": judged.zero} if judged.zero else {}
-    scale = (
-        {"rad_per_unit": reading.scale}
-        if unit == NO_SCALE or (unit in ("V", "counts") and reading.scale)
-        else {}
-    )
+    scaled = unit == NO_SCALE or (unit in ("V", "counts") and reading.scale)
+    scale = {"rad_per_unit": reading.scale} if scaled else {}
+    drive = {} if said is None or found.input is None else as_variables(found.times, found.input, said, where)
     counted = "counts_per_revolution" in found.about
+    # the cells that are usual for such a file where the sheet has none
+    usual = {key: value for key, value in table.usual.items() if np.isnan(row.get(key, np.nan))}
     stamp = table.about.get("time_standard_uncertainty_s")
     attributes = {
         **about_file(table, row, found.taken(reading)),
@@ -151,8 +142,7 @@ def _dataset(
         "unit_told": reading.told,
         "unit_stated": "yes" if reading.stated else "no",
         **with_rate(
-            tolerances(_with_usual(row, table), unit, upright=not ("pivot_x" in found.about or turned)),
-            found.rate,
+            tolerances({**row, **usual}, unit, upright=not ("pivot_x" in found.about or turned)), found.rate
         ),
         **({"remarks": as_told("; ".join(remarks))} if remarks else {}),
         **({"time_standard_uncertainty_s": float(stamp)} if stamp is not None else {}),
@@ -166,18 +156,14 @@ def _dataset(
         {
             "signal": ("time", signal, {"units": unit, "long_name": LONG_NAMES[unit]}),
             **as_variable(judged.spikes.where),
-            **(
-                {}
-                if said is None or found.input is None
-                else as_variables(found.times, found.input, said, where)
-            ),
+            **drive,
         },
         {"time": ("time", found.times, {"units": "s", "long_name": "time as recorded"})},
         attributes,
     )
 
 
-def driven_so(row: Mapping[str, Any], found: Interpreted, place: str) -> Stated | None:
+def driven_so(row: Row, found: Interpreted, place: str) -> Stated | None:
     """What is stated of a recording's input, by the sheet or else by the file; None of a free swing."""
     if found.input is None:
         return None
@@ -188,13 +174,8 @@ def driven_so(row: Mapping[str, Any], found: Interpreted, place: str) -> Stated 
     return stated({**row, "input_unit": found.input_unit}, place) if usable else said
 
 
-def _with_usual(row: Mapping[str, Any], table: Table) -> dict[str, Any]:
-    """The row with the cells that are usual for such a file where it has none."""
-    return {**row, **{key: value for key, value in table.usual.items() if np.isnan(row.get(key, np.nan))}}
-
-
 def _by_itself(
-    found: Interpreted, judged: Judged, row: Mapping[str, Any], place: str
+    found: Interpreted, judged: Judged, row: Row, place: str
 ) -> tuple[dict[str, float], list[str]]:
     """The attributes that keep the part in which the pendulum swings by itself, and remarks on it.
 
@@ -219,24 +200,16 @@ def read_recording(path: str | Path) -> xr.Dataset:
     recording = dataset.read(path)
     expected, found = recording.attrs.get("expected_samples"), recording.sizes.get("time", 0)
     if expected != found:
-        raise InputError(
-            path,
-            f"{found} samples",
-            f"{expected}, as counted when it was written",
-            "delete it and ingest it again",
-        )
+        mend = "delete it and ingest it again"
+        raise InputError(path, f"{found} samples", f"{expected}, as counted when it was written", mend)
     return recording
 
 
-def _check_whole(about: Mapping[str, Any], row: Mapping[str, Any], name: str, place: str) -> bool:
+def _check_whole(about: Mapping[str, Any], row: Row, name: str, place: str) -> bool:
     """True for a recording that says it is partial and that the sheet allows; InputError if it does not."""
     if about.get("captured") == "yes" and about.get("complete") != 1:
-        raise InputError(
-            name,
-            "it has no completeness mark",
-            "a recording as capture wrote it",
-            "capture or recover it again",
-        )
+        problem = "it has no completeness mark"
+        raise InputError(name, problem, "a recording as capture wrote it", "capture or recover it again")
     if about.get("partial") != "yes":
         return False
     if row.get("partial", "") != "allow":

@@ -10,6 +10,7 @@ import xarray as xr
 from .. import dataset
 from ..errors import InputError
 from ..paths import is_url
+from .sheet import Row
 
 # of a row on what is left out
 COLUMNS = ("campaign", "recording", "label", "file", "problem", "expected", "mend", "code")
@@ -87,11 +88,11 @@ def taking_part(
     """
     rows = {path: left_out(path) for path in fits}
     free = {str(dataset.attributes(path).get("campaign")) for path, row in rows.items() if not row}
-    kept = [
-        path
-        for path, row in rows.items()
-        if not row or (row["campaign"] in set(explained) - free and problem_in(path) is None)
-    ]
+    all_ = set(explained) - free
+    whole = {
+        path for path, row in rows.items() if row and row["campaign"] in all_ and problem_in(path) is None
+    }
+    kept = [path for path, row in rows.items() if not row or path in whole]
     return kept, [row for path, row in rows.items() if path not in kept]
 
 
@@ -119,7 +120,7 @@ def none_left(lost: Sequence[Mapping[str, str]]) -> InputError:
     return InputError(where, first["problem"], first["expected"], first["mend"])
 
 
-def may_pass(problem: InputError, row: Mapping[str, Any]) -> bool:
+def may_pass(problem: InputError, row: Row) -> bool:
     """True for a problem that may be gone the next time though nobody changed the file: it was out of reach, or what came over a
     network is not what the sheet says."""
     damaged = is_url(row["file"]) and problem.code == OTHER_BYTES

@@ -1,6 +1,6 @@
 """A swing that no model follows to its end, read once more: its longest free stretch, or its period and decay alone."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,7 @@ from .apparent_scale import apparent_scale
 from .driven import drive_of
 from .plausibility import free_part, in_step_and_dying
 from .points.points_recording import are_points
+from .sheet import Row
 from .signal import RELATIVE as RELATIVE_CELL
 
 OPEN, TOLD = "read_again", "again"  # attributes: whether a recording may be read once more, and what was done
@@ -21,7 +22,7 @@ _PARTS = ("", "_standard_uncertainty", "_random_uncertainty", "_bound")
 ALONE = "PERIOD AND DECAY ALONE ARE REPORTED, by its passages of the middle, which need no model and no unit"
 
 
-def may_be_read_again(row: Mapping[str, Any], guessed: bool) -> bool:
+def may_be_read_again(row: Row, guessed: bool) -> bool:
     """True where the sheet's ``row`` states neither window, scale nor unit, which nothing overrules, and its column was not ``guessed``."""
     stated = (row.get(key) for key in ("start_s", "stop_s", "scale", "signal_unit", "input_column"))
     return not guessed and all(cell is None or cell == "" or cell != cell for cell in stated)

@@ -47,11 +47,8 @@ def in_one_step(angles: Sequence[xr.Dataset]) -> list[xr.Dataset]:
 def _with_step(angle: xr.Dataset, step: float) -> xr.Dataset:
     """The angle dataset with so much of its reading for 1 rad."""
     times = float(angle.attrs["own_step"]) / step
-    parts = {
-        str(name): one.copy(data=times * one.values)
-        for name, one in angle.data_vars.items()
-        if str(name).startswith("angle")
-    }
+    names = [str(name) for name in angle.data_vars if str(name).startswith("angle")]
+    parts = {name: angle[name].copy(data=times * angle[name].values) for name in names}
     return angle.assign(parts).assign_attrs(own_step=step)
 
 
@@ -62,9 +59,8 @@ def _where(angle: xr.Dataset) -> str:
 def _alone(angle: xr.Dataset) -> InputError | None:
     """Why a recording shares no model with any other; None where it holds angles, their rate, or readings in a unit of their own."""
     if are_points(angle):
-        return InputError(
-            _where(angle), NOT_IN_IT, "samples of the motion itself", "record the motion itself", POINTS_ALONE
-        )
+        mend = "record the motion itself"
+        return InputError(_where(angle), NOT_IN_IT, "samples of the motion itself", mend, POINTS_ALONE)
     if own_of(angle.attrs) is None and angle.attrs.get("mode") == UNSCALED:
         return InputError(
             _where(angle), "its readings have no scale: they allow no search, and period and decay alone are reported",

@@ -20,6 +20,7 @@ COLUMNS: dict[str, Any] = {name: rule.get("default") for name, rule in rules(SCH
 NUMBERS = tuple(name for name, rule in rules(SCHEMA)["properties"].items() if rule.get("type") == "number")
 LENGTHS = ("m", "cm", "mm", "px")  # units of positions
 SIGNAL_UNITS = tuple(one for one in rules(SCHEMA)["properties"]["signal_unit"]["enum"] if one not in LENGTHS)
+Row = Mapping[str, Any]  # its cells by their columns, defaults filled in
 TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 
 
@@ -52,11 +53,8 @@ def read_sheet(path: str | Path, check_files: bool = True) -> pd.DataFrame:
     lines = _cells(found, path)
     header = lines[0] if lines else []
     _check_header(path, header)
-    rows = [
-        _row(path, number, header, cells, check_files)
-        for number, cells in enumerate(lines[1:], 2)
-        if any(cells)
-    ]
+    filled = ((number, cells) for number, cells in enumerate(lines[1:], 2) if any(cells))
+    rows = [_row(path, number, header, cells, check_files) for number, cells in filled]
     if not rows:
         raise InputError(path, "it has no row", "a row for each recording", "add the recordings")
     _check_names(path, rows)
@@ -97,9 +95,8 @@ def cells_of(found: Path, path: object) -> tuple[list[list[str]], str]:
         separator = next((one for one in (";", "\t") if one in first and "," not in first), ",")
         rows = list(csv.reader(io.StringIO(text, newline=""), delimiter=separator))
     except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise InputError(
-            path, f"it cannot be read as text ({error})", "a CSV file in UTF-8", "save it as CSV"
-        ) from error
+        problem = f"it cannot be read as text ({error})"
+        raise InputError(path, problem, "a CSV file in UTF-8", "save it as CSV") from error
     return [[cell.strip() for cell in cells] for cells in rows], separator
 
 
@@ -113,22 +110,15 @@ def _check_names(path: object, rows: list[dict[str, Any]]) -> None:
         both = f"{path}, lines {other['line']} and {row['line']}, column recording"
         names = [one["label"] or one["recording"] for one in (other, row)]
         if names[0] == names[1]:
-            raise InputError(
-                both,
-                f"the name {names[0]!r} is used twice",
-                "a name of its own for each recording",
-                "rename one of them",
-                TWICE,
-            )
-        raise InputError(
-            both,
-            f"{names[0]!r} and {names[1]!r} would be one file ({other['recording']})",
-            "names that differ in more than capitals, accents and signs",
-            "rename one of them",
-        )
+            problem = f"the name {names[0]!r} is used twice"
+            expected = "a name of its own for each recording"
+            raise InputError(both, problem, expected, "rename one of them", TWICE)
+        problem = f"{names[0]!r} and {names[1]!r} would be one file ({other['recording']})"
+        expected = "names that differ in more than capitals, accents and signs"
+        raise InputError(both, problem, expected, "rename one of them")
 
 
-def rows_of_parts(row: Mapping[str, Any], parts: Sequence[Mapping[str, str]]) -> str:
+def rows_of_parts(row: Row, parts: Sequence[Mapping[str, str]]) -> str:
     """The lines of a sheet, header first, that make a recording of each of several ``parts`` of a row's file: its cells, then the part's."""
     kept = [key for key, cell in row.items() if key != "line" and isinstance(cell, str) and cell]
     if np.isfinite(row.get("counts_per_revolution", np.nan)):
@@ -151,35 +141,24 @@ def _check_header(path: object, header: list[str]) -> None:
     place = f"{path}, line 1"
     for name in header:
         if name not in COLUMNS:
-            raise InputError(
-                f"{place}, column {name or '(empty)'}",
-                "unknown column",
-                ", ".join(COLUMNS),
-                near(name, COLUMNS),
-            )
+            problem = "unknown column"
+            expected = ", ".join(COLUMNS)
+            raise InputError(f"{place}, column {name or '(empty)'}", problem, expected, near(name, COLUMNS))
         if header.count(name) > 1:
-            raise InputError(
-                f"{place}, column {name}", "the column is there twice", "each column once", "remove one"
-            )
+            problem = "the column is there twice"
+            raise InputError(f"{place}, column {name}", problem, "each column once", "remove one")
     for name in rules(SCHEMA)["required"]:
         if name not in header:
-            raise InputError(
-                place,
-                f"no column {name!r}",
-                "at least the columns recording and file",
-                f"add the column {name}",
-            )
+            mend = f"add the column {name}"
+            raise InputError(place, f"no column {name!r}", "at least the columns recording and file", mend)
 
 
 def _row(path: object, number: int, header: list[str], cells: list[str], check_files: bool) -> dict[str, Any]:
     place = f"{path}, line {number}"
     if len(cells) > len(header):
-        raise InputError(
-            f"{place}, column {header[-1]}",
-            f"{len(cells)} cells in a row of {len(header)} columns",
-            "a cell for each column",
-            "quote a cell that contains a comma",
-        )
+        problem = f"{len(cells)} cells in a row of {len(header)} columns"
+        mend = "quote a cell that contains a comma"
+        raise InputError(f"{place}, column {header[-1]}", problem, "a cell for each column", mend)
     given: dict[str, Any] = {name: from_cell(cell) for name, cell in zip(header, cells, strict=False) if cell}
     for column, unit, known in (
         ("time_column", "time_unit", tuple(TIME_UNITS)),
@@ -197,18 +176,11 @@ def _row(path: object, number: int, header: list[str], cells: list[str], check_f
     row = {name: filled[name] for name in COLUMNS} | {"line": number}
     row["sha256"] = row["sha256"].lower()
     if row["stop_s"] <= row["start_s"]:
-        raise InputError(
-            f"{place}, column stop_s",
-            f"the window ends at {row['stop_s']:g} s and starts at {row['start_s']:g} s",
-            "stop_s after start_s",
-            "correct the window",
-        )
-    if (
-        "\\" in row["file"]
-        and not find(row["file"]).is_file()
-        and find(own := row["file"].replace("\\", "/")).is_file()
-    ):
-        row["file"] = own  # as paths are written on Windows
+        problem = f"the window ends at {row['stop_s']:g} s and starts at {row['start_s']:g} s"
+        raise InputError(f"{place}, column stop_s", problem, "stop_s after start_s", "correct the window")
+    own = row["file"].replace("\\", "/")  # of a path as it is written on Windows
+    if own != row["file"] and not find(row["file"]).is_file() and find(own).is_file():
+        row["file"] = own
     if check_files and not is_url(row["file"]) and not find(row["file"]).is_file():
         raise InputError(
             f"{place}, column file",

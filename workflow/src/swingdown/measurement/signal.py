@@ -12,17 +12,7 @@ from ..errors import InputError
 from ..own_unit import UNNAMED
 from .apparent_scale import apparent_scale
 from .choice import Chosen, widest
-from .files.columns import (
-    LENGTH,
-    OF_ACCELERATIONS,
-    OTHER,
-    RATE,
-    SPEED,
-    UNTOLD,
-    Meaning,
-    accelerates,
-    place_of,
-)
+from .files.columns import LENGTH, OF_ACCELERATIONS, OTHER, RATE, SPEED, UNTOLD, accelerates, place_of
 from .gyroscope import TO_RAD_PER_S, rate_unit, turning_most
 from .judge import Reading
 from .plausibility import EVEN_SIDES, check_once, evenness
@@ -39,6 +29,7 @@ from .positions import (
     to_angles,
     without_length,
 )
+from .sheet import Row
 from .units import NO_SCALE, in_rad
 
 UNIT_WORDS = {
@@ -68,9 +59,7 @@ class Interpreted(NamedTuple):
     about: dict[str, Any]
     column: str
     rate: float = 0.0  # standard uncertainty of the clock's rate, as a share, that scattered stamps leave
-    read: tuple[
-        str, ...
-    ] = ()  # in words: the columns, what they are where that is no angle, the clock, the layout
+    read: tuple[str, ...] = ()  # in words: the columns, what they are if no angle, the clock, the layout
     input: Floats | None = None  # what was measured of its drive
     input_unit: str = ""  # that the file states of it
     guessed: bool = False  # neither the names nor the number of its columns say which one holds the swing
@@ -82,14 +71,12 @@ class Interpreted(NamedTuple):
         if reading.unit == NO_SCALE and reading.stated and np.isfinite(self.reading.scale):
             unit = instead or f"readings of {np.degrees(reading.scale):.4g}° each"
         if not (reading.stated or instead):
-            unit = (
-                "rad (no unit is stated)" if reading.unit == "rad" else f"{unit.upper()} (no unit is stated)"
-            )
+            unit = f"{unit if reading.unit == 'rad' else unit.upper()} (no unit is stated)"
         return ", ".join([f"took {what} as {unit}", *others])
 
 
 def signal_of(
-    row: Mapping[str, Any],
+    row: Row,
     place: str,
     columns: Chosen,
     times: Floats,
@@ -130,22 +117,16 @@ def signal_of(
         away = lost(values[0], values[1], circle)
         signal = to_angles(values[0], values[1], circle)
         about = {f"pivot_{key}": value for key, value in circle._asdict().items()}
-        remarks = [
-            *plane,
-            _pivot(circle, first.written),
-            *_told_lost(away, circle, signal, first.written, both),
-        ]
-        return Interpreted(
-            times[~away],
-            signal[~away],
-            Reading("rad", True, 1.0, restoring, True),
-            remarks,
-            about,
-            first.name,
-        )
+        left_out = _told_lost(away, circle, signal, first.written, both)
+        remarks = [*plane, _pivot(circle, first.written), *left_out]
+        reading = Reading("rad", True, 1.0, restoring, True)
+        return Interpreted(times[~away], signal[~away], reading, remarks, about, first.name)
     if not columns.unit and (first.kind in (LENGTH, SPEED) or (first.axis and not columns.clock.axis)):
         return _coordinate(row, where, columns, times, values[0], restoring)
-    taken, told = _most(first, times, read, f"{file} ({place})")
+    if first.kind == RATE or len(read) == 1:
+        taken, told = turning_most(names, values)
+    else:
+        taken, told = widest(times, read, f"{file} ({place})")
     about = {"counts_per_revolution": row["counts_per_revolution"]} if columns.unit == "counts" else {}
     if first.kind == UNTOLD and not columns.unit and not row.get("scale"):
         check_once(values[taken], where)
@@ -158,16 +139,7 @@ def signal_of(
     return Interpreted(times, values[taken], reading, told, about, names[taken])
 
 
-def _most(first: Meaning, times: Floats, read: Mapping[str, Floats], place: str) -> tuple[int, list[str]]:
-    """Which of the columns that hold the same about several axes is the swing, by its place, and remarks on that."""
-    if first.kind == RATE or len(read) == 1:
-        return turning_most(list(read), list(read.values()))
-    return widest(times, read, place)
-
-
-def _reading(
-    row: Mapping[str, Any], columns: Chosen, times: Floats, signal: Floats, restoring: str, where: str
-) -> Reading:
+def _reading(row: Row, columns: Chosen, times: Floats, signal: Floats, restoring: str, where: str) -> Reading:
     """What a column is read as: by its unit, the sheet's scale, or its name where that is one of raw readings."""
     unit, scale = columns.unit, _stated_scale(row, where)
     if unit == "counts" and scale is None:
@@ -198,7 +170,7 @@ def _reading(
     return Reading("rad", False, 1.0, restoring)
 
 
-def _stated_scale(row: Mapping[str, Any], where: str) -> float | None:
+def _stated_scale(row: Row, where: str) -> float | None:
     """Rad per unit of the signal by the sheet's cell ``scale``; NaN for ``relative``, None for an empty cell."""
     cell = str(row.get("scale", "") or "").strip()
     if not cell:
@@ -228,7 +200,7 @@ def _degrees_a_unit(cell: str) -> float:
 
 
 def _coordinate(
-    row: Mapping[str, Any], where: str, columns: Chosen, times: Floats, x: Floats, restoring: str
+    row: Row, where: str, columns: Chosen, times: Floats, x: Floats, restoring: str
 ) -> Interpreted:
     """The angle of one coordinate of the bob: by the length that the sheet states, as a small swing, or without a scale."""
     first = columns.found[0]
@@ -274,24 +246,18 @@ def _ask_length(times: Floats, x: Floats, each: float, where: str) -> None:
     is not its angle, and as a bob's on a string does that swings so far: no spring's does."""
     wide = float(np.ptp(x)) / 2
     if apparent_scale(times, x) * wide > WIDE and not 0 < wide * each < WIDE * on_a_string(times, x):
-        raise InputError(
-            where,
-            "its period falls as its swings shrink, as a pendulum's does: they are wide, and the angle of one coordinate is an arcsine over its length",
-            "the length, from the pivot to the point that was followed",
-            "state ⟨length⟩, in its unit; for the period alone write ⟨scale=relative⟩",
-        )
+        problem = "its period falls as its swings shrink, as a pendulum's does: they are wide, and the angle of one coordinate is an arcsine over its length"
+        mend = "state ⟨length⟩, in its unit; for the period alone write ⟨scale=relative⟩"
+        raise InputError(where, problem, "the length, from the pivot to the point that was followed", mend)
 
 
 def _told_lost(away: np.ndarray, circle: Circle, angle: Floats, unit: str, place: str) -> list[str]:
     """Remarks on positions off the circle, which a tracker lost; InputError where they are too many."""
     share, unit = float(np.mean(away)), f" {unit}" if unit else ""
     if share > MOST_LOST:
-        raise InputError(
-            place,
-            f"{100 * share:.0f} % of the positions lie off the circle of the others, {circle.residual:.2g}{unit} (RMS)",
-            "a bob that the tracker follows",
-            "track it anew, or leave the part out with ⟨start_s⟩ and ⟨stop_s⟩",
-        )
+        problem = f"{100 * share:.0f} % of the positions lie off the circle of the others, {circle.residual:.2g}{unit} (RMS)"
+        mend = "track it anew, or leave the part out with ⟨start_s⟩ and ⟨stop_s⟩"
+        raise InputError(place, problem, "a bob that the tracker follows", mend)
     told = [f"{int(away.sum())} of {away.size} positions lie off the circle, as where a tracker lost the bob: left out as missing"] if away.any() else []  # fmt: skip
     swing = circle.radius * float(np.ptp(angle)) / 2
     if circle.residual > 0.1 * swing:

@@ -12,6 +12,7 @@ from ..errors import InputError
 from ..pendulum.slack import Slack, reading_slack
 from .gyroscope import GAIN_TOLERANCE, TO_RAD_PER_S, ZERO_TOLERANCE
 from .plausibility import CENTRED
+from .sheet import Row
 
 CLOCK_TOLERANCE = 5e-5
 """The share by which a recorder's seconds may be wrong where the sheet says nothing: that of a quartz. A board with a ceramic
@@ -22,7 +23,7 @@ _OF_RATES = {
 }  # fmt: skip
 
 
-def tolerances(row: Mapping[str, Any], unit: str, upright: bool = True) -> dict[str, float]:
+def tolerances(row: Row, unit: str, upright: bool = True) -> dict[str, float]:
     """The limits of error in a row of the sample sheet, by key, with the usual ones where it has none.
 
     An angle sensor's gain and zero are taken for right where nothing is said; those of a gyroscope never are.
@@ -44,7 +45,7 @@ def tolerances(row: Mapping[str, Any], unit: str, upright: bool = True) -> dict[
     return known | {"zero_tolerance_rad": max(known["zero_tolerance_rad"], CENTRED)}
 
 
-def zero_unstated(row: Mapping[str, Any], unit: str) -> dict[str, float]:
+def zero_unstated(row: Row, unit: str) -> dict[str, float]:
     """The cell of the sheet that leaves the zero of an angle open, where a ``row`` does not state how far it may be off: no file says where
     its pendulum hangs. Of a rate none. InputError for a limit that is none."""
     stated = float(row.get("zero_tolerance_rad", float("nan")))
@@ -60,13 +61,10 @@ def zero_is_fitted(recording: xr.Dataset) -> bool:
 
 def with_rate(known: Mapping[str, float], rate: float) -> dict[str, float]:
     """The tolerances with the clock's widened by the standard uncertainty of its ``rate`` (a share) that the stamps leave."""
-    if rate:
-        return {
-            **known,
-            "clock_tolerance": float(np.hypot(known["clock_tolerance"], sqrt(3) * rate)),
-            "clock_rate": rate,
-        }
-    return dict(known)
+    if not rate:
+        return dict(known)
+    wider = float(np.hypot(known["clock_tolerance"], sqrt(3) * rate))
+    return {**known, "clock_tolerance": wider, "clock_rate": rate}
 
 
 def of_tolerances(recording: xr.Dataset) -> Slack:
@@ -79,9 +77,8 @@ def of_tolerances(recording: xr.Dataset) -> Slack:
     }
     clock = known["clock_tolerance"] / sqrt(3)
     rate = float(recording.attrs.get("clock_rate", 0.0))  # of scattered stamps: nothing limits it
-    return replace(
-        reading_slack(values, clock), limited=sqrt(max(0.0, 1 - (rate / clock) ** 2)) if rate else 1.0
-    )
+    limited = sqrt(max(0.0, 1 - (rate / clock) ** 2)) if rate else 1.0
+    return replace(reading_slack(values, clock), limited=limited)
 
 
 def of_calibration(calibration: xr.Dataset, stated: Slack) -> Slack:

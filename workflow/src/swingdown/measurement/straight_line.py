@@ -1,6 +1,4 @@
-"""Straight lines through points with errors in both coordinates, and what follows from a line with its
-covariance.
-"""
+"""Straight lines through points with errors in both coordinates, and what follows from a line with its covariance."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -25,7 +23,7 @@ class Line:
         In the units of x and y.
     covariance
         Of (intercept, slope), of shape (2, 2), by York et al. (2004): at the adjusted points, not scaled by chi2 / dof.
-    chi2, dof, iterations
+    chi2, dof
         Of the fit.
     adjusted
         Abscissae of the adjusted points, of shape (point,).
@@ -38,7 +36,6 @@ class Line:
     covariance: np.ndarray
     chi2: float
     dof: int
-    iterations: int
     adjusted: np.ndarray
     residuals: np.ndarray
 
@@ -50,14 +47,11 @@ class Line:
     def predict(self, x: ArrayLike, u_x: ArrayLike = 0.0) -> tuple[Floats, Floats]:
         """y at ``x`` (scalar or array) and its standard uncertainty, ``u_x`` being independent of the line."""
         x = np.asarray(x, dtype=float)
-        return self.intercept + self.slope * x, np.sqrt(
-            self._variance(x) + (self.slope * np.asarray(u_x)) ** 2
-        )
+        variance = self._variance(x) + (self.slope * np.asarray(u_x)) ** 2
+        return self.intercept + self.slope * x, np.sqrt(variance)
 
     def inverse(self, y: ArrayLike, u_y: ArrayLike = 0.0) -> tuple[Floats, Floats]:
-        """x where the line takes the value ``y``, and its standard uncertainty (ISO/TS 28037, inverse
-        evaluation).
-        """
+        """x where the line takes the value ``y``, and its standard uncertainty (ISO/TS 28037, inverse evaluation)."""
         x = (np.asarray(y, dtype=float) - self.intercept) / self.slope
         return x, np.sqrt(self._variance(x) + np.asarray(u_y) ** 2) / abs(self.slope)
 
@@ -86,12 +80,9 @@ def fit_line(x: ArrayLike, y: ArrayLike, sd_x: ArrayLike, sd_y: ArrayLike) -> Li
     x, y = _checked(x, y)
     sd_x, sd_y = (np.broadcast_to(np.asarray(v, dtype=float), x.shape) for v in (sd_x, sd_y))
     if np.any(sd_x < 0) or np.any(sd_y < 0) or np.any((sd_x == 0) & (sd_y == 0)):
-        raise InputError(
-            "line",
-            "a point has no uncertainty, or a negative one",
-            "standard deviations above 0",
-            "state the uncertainty of every point",
-        )
+        problem = "a point has no uncertainty, or a negative one"
+        expected = "standard deviations above 0"
+        raise InputError("line", problem, expected, "state the uncertainty of every point")
     vx, vy = sd_x**2, sd_y**2
 
     def step(slope: float) -> tuple[float, Floats, float, float, Floats]:
@@ -102,7 +93,7 @@ def fit_line(x: ArrayLike, y: ArrayLike, sd_x: ArrayLike, sd_y: ArrayLike) -> Li
         slope = float(np.sum(weight * beta * v) / np.sum(weight * beta * u))
         return slope, weight, float(mean_x), float(mean_y), beta
 
-    slope, iterations = _iterate(lambda b: step(b)[0], np.polyfit(x, y, 1)[0])
+    slope = _settled(lambda b: step(b)[0], np.polyfit(x, y, 1)[0])
     _, weight, mean_x, mean_y, beta = step(slope)
     intercept = mean_y - slope * mean_x
     adjusted = mean_x + beta
@@ -112,7 +103,7 @@ def fit_line(x: ArrayLike, y: ArrayLike, sd_x: ArrayLike, sd_y: ArrayLike) -> Li
     covariance = np.array([[1 / weight.sum() + centre**2 * slope_variance, cross], [cross, slope_variance]])
     residuals = y - intercept - slope * x
     chi2 = float(np.sum(weight * residuals**2))
-    return Line(float(intercept), float(slope), covariance, chi2, len(x) - 2, iterations, adjusted, residuals)
+    return Line(float(intercept), float(slope), covariance, chi2, len(x) - 2, adjusted, residuals)
 
 
 def fit_line_correlated(x: ArrayLike, y: ArrayLike, covariance_x: ArrayLike, covariance_y: ArrayLike) -> Line:
@@ -139,24 +130,21 @@ def fit_line_correlated(x: ArrayLike, y: ArrayLike, covariance_x: ArrayLike, cov
         try:
             return np.linalg.inv(covariance_y + slope**2 * covariance_x)
         except np.linalg.LinAlgError as error:
-            raise InputError(
-                "line",
-                "the covariance of the points cannot be inverted",
-                "an error of its own for every point",
-                "state the uncertainty of every point",
-            ) from error
+            problem = "the covariance of the points cannot be inverted"
+            expected = "an error of its own for every point"
+            raise InputError("line", problem, expected, "state the uncertainty of every point") from error
 
     def solve(slope: float) -> tuple[Floats, Floats, Floats]:
         return solve_lines(x, y, covariance_x, weights(slope), slope)
 
-    start, iterations = _iterate(lambda b: float(solve(b)[1]), float(np.polyfit(x, y, 1)[0]))
+    start = _settled(lambda b: float(solve(b)[1]), float(np.polyfit(x, y, 1)[0]))
     intercept, slope, adjusted = solve(start)
     weight = weights(float(slope))
     design = np.column_stack([np.ones_like(x), adjusted])
     covariance = np.linalg.inv(design.T @ weight @ design)
     residuals = y - intercept - slope * x
     chi2 = float(residuals @ weight @ residuals)
-    return Line(float(intercept), float(slope), covariance, chi2, len(x) - 2, iterations, adjusted, residuals)
+    return Line(float(intercept), float(slope), covariance, chi2, len(x) - 2, adjusted, residuals)
 
 
 def solve_lines(
@@ -194,32 +182,24 @@ def solve_lines(
 def _checked(x: ArrayLike, y: ArrayLike) -> tuple[Floats, Floats]:
     x, y = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
     if x.shape != y.shape or x.ndim != 1 or len(x) < FEWEST:
-        raise InputError(
-            "line",
-            f"{x.size} and {y.size} coordinates",
-            f"at least {FEWEST} points with an x and a y each",
-            "add points",
-        )
+        problem = f"{x.size} and {y.size} coordinates"
+        raise InputError("line", problem, f"at least {FEWEST} points with an x and a y each", "add points")
     if np.ptp(x) == 0:
-        raise InputError(
-            "line", f"every point has x = {x[0]:g}", "points at different x", "spread the points"
-        )
+        problem = f"every point has x = {x[0]:g}"
+        raise InputError("line", problem, "points at different x", "spread the points")
     return x, y
 
 
-def _iterate(update: Callable[[float], float], slope: float) -> tuple[float, int]:
-    for iteration in range(1, _ITERATIONS + 1):
+def _settled(update: Callable[[float], float], slope: float) -> float:
+    for _ in range(_ITERATIONS):
         last, slope = slope, float(update(slope))
         if not np.isfinite(slope):
             break
         if abs(slope - last) <= 4 * np.finfo(float).eps * abs(slope):
-            return slope, iteration
+            return slope
     # rounding keeps it from settling further
     if np.isfinite(slope) and abs(slope - last) <= 1e-12 * abs(slope):
-        return slope, _ITERATIONS
-    raise InputError(
-        "line",
-        "no line fits these points: the slope does not settle",
-        "points that follow a straight line within their errors",
-        "look at the points",
-    )
+        return slope
+    problem = "no line fits these points: the slope does not settle"
+    expected = "points that follow a straight line within their errors"
+    raise InputError("line", problem, expected, "look at the points")

@@ -1,6 +1,4 @@
-"""Propagation of uncertainty: first order (JCGM 100), by Monte Carlo (JCGM 101), and of means of correlated
-samples.
-"""
+"""Propagation of uncertainty: first order (JCGM 100), by Monte Carlo (JCGM 101), and of means of correlated samples."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -77,16 +75,11 @@ def from_limit(name: str, value: float, limit: float, distribution: str = "unifo
         For a limit that is not above 0.
     """
     if not limit > 0:
-        raise InputError(
-            f"limit of {name}", f"it is {limit:g}", "a number above 0", "state the instrument's limit"
-        )
+        problem = f"it is {limit:g}"
+        raise InputError(f"limit of {name}", problem, "a number above 0", "state the instrument's limit")
     if distribution not in DIVISORS:
-        raise InputError(
-            f"distribution of {name}",
-            f"unknown distribution {distribution!r}",
-            ", ".join(DIVISORS),
-            "use one of these",
-        )
+        problem = f"unknown distribution {distribution!r}"
+        raise InputError(f"distribution of {name}", problem, ", ".join(DIVISORS), "use one of these")
     return Input(name, float(value), limit / DIVISORS[distribution], distribution, limit=float(limit), **more)
 
 
@@ -193,9 +186,8 @@ def draw_inputs(
     if correlation is None:
         return np.array([i.draw(generator, draws) for i in inputs])
     if any(i.distribution != "normal" for i in inputs):
-        raise InputError(
-            "monte carlo", "correlated inputs that are not normal", "normal inputs, or no correlation"
-        )
+        problem = "correlated inputs that are not normal"
+        raise InputError("monte carlo", problem, "normal inputs, or no correlation")
     u = np.array([i.standard_uncertainty for i in inputs])
     covariance = np.asarray(correlation) * np.outer(u, u)
     return generator.multivariate_normal([i.value for i in inputs], covariance, draws, method="eigh").T

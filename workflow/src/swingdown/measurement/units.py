@@ -57,29 +57,23 @@ def time_factor(
     if SHORTEST <= period <= LONGEST or (period != period and interval <= 1):
         if told or not period > ROOM:
             return 1.0, []
-        return 1.0, [
-            f"NO UNIT OF THE TIME IS STATED: taken for s, in which a pendulum of so long a period, {period:.3g} s, is {9.81 * (period / 2 / pi) ** 2:.2g} m long"
-        ]
+        remark = f"NO UNIT OF THE TIME IS STATED: taken for s, in which a pendulum of so long a period, {period:.3g} s, is {9.81 * (period / 2 / pi) ** 2:.2g} m long"
+        return 1.0, [remark]
     if not told and DAYS[0] < times[0] < times[-1] < DAYS[1] and SHORTEST <= A_DAY * period <= LONGEST:
         return A_DAY, [
             f"its times are days since 1900, as a spreadsheet keeps them: a period of {A_DAY * period:.4g} s"
         ]
     if told:
-        return 1.0, [
-            f"{what} {length:.3g} s is none of a pendulum on a bench: is the unit of the time right?"
-        ]
-    possible = [
-        (unit, factor)
-        for unit, factor in (("ms", 1e-3), ("us", 1e-6))
-        if SHORTEST <= factor * period <= LONGEST
-    ]
+        remark = f"{what} {length:.3g} s is none of a pendulum on a bench: is the unit of the time right?"
+        return 1.0, [remark]
+    others = {"ms": 1e-3, "us": 1e-6}
+    possible = [(unit, one) for unit, one in others.items() if SHORTEST <= one * period <= LONGEST]
     if LONGEST < period <= SLOWEST:
         return _ms_or_s(period, ticks, place)
     if len(possible) == 1:
         unit, factor = possible[0]
-        return factor, [
-            f"no unit of the time is stated, and a period of {period:.4g} s is too long for a pendulum: TAKEN AS {unit}, a period of {factor * period:.4g} s"
-        ]
+        remark = f"no unit of the time is stated, and a period of {period:.4g} s is too long for a pendulum: TAKEN AS {unit}, a period of {factor * period:.4g} s"
+        return factor, [remark]
     raise InputError(
         place,
         f"{what} {length:.3g} s is too long or too short for a pendulum, and no unit of the time is stated",
@@ -91,9 +85,8 @@ def time_factor(
 def _ms_or_s(period: float, ticks: str, place: str) -> tuple[float, list[str]]:
     """As ``time_factor`` of a period that would suit a torsion balance in s, and a pendulum in ms."""
     if ticks == "taken":
-        return 1e-3, [
-            f"no unit of the time is stated, and its whole numbers do not rise evenly, as a processor's clock counts: TAKEN AS ms, a period of {period / 1e3:.4g} s"
-        ]
+        remark = f"no unit of the time is stated, and its whole numbers do not rise evenly, as a processor's clock counts: TAKEN AS ms, a period of {period / 1e3:.4g} s"
+        return 1e-3, [remark]
     if ticks:
         raise InputError(
             place,
@@ -102,12 +95,9 @@ def _ms_or_s(period: float, ticks: str, place: str) -> tuple[float, list[str]]:
             "name the column of the angle ⟨in signal_column⟩; an accelerometer that rides on the bob shows none",
             WHICH_COLUMN,
         )
-    raise InputError(
-        place,
-        f"a period of {period:.4g}, and no unit of the time is stated: in s it would suit a torsion balance, in ms a pendulum",
-        "the unit of the time",
-        "write ms or s ⟨in time_unit⟩, or in the column's name: `t (ms)`",
-    )
+    problem = f"a period of {period:.4g}, and no unit of the time is stated: in s it would suit a torsion balance, in ms a pendulum"
+    mend = "write ms or s ⟨in time_unit⟩, or in the column's name: `t (ms)`"
+    raise InputError(place, problem, "the unit of the time", mend)
 
 
 def unwrapped(signal: Floats, unit: str, steps: float = np.nan) -> tuple[Floats, list[str]]:
@@ -126,9 +116,8 @@ def unwrapped(signal: Floats, unit: str, steps: float = np.nan) -> tuple[Floats,
         whole = np.unwrap(signal, period=turn)
         if turn in counter and np.ptp(whole) < WRAPPED * turn:  # on and off, as a light gate
             continue
-        return whole - turn * np.round(np.median(whole) / turn), [
-            f"the angle jumps by a whole turn {wraps} times, where the sensor begins anew: these were added up"
-        ]
+        remark = f"the angle jumps by a whole turn {wraps} times, where the sensor begins anew: these were added up"
+        return whole - turn * np.round(np.median(whole) / turn), [remark]
     return signal, []
 
 
@@ -196,14 +185,10 @@ def angle_unit(signal: Floats, unit: str, restoring: str, place: str) -> tuple[s
             if too_far("deg")
             else f"in degrees about {aside:.3g} turns, as no pendulum hangs and a converter's readings do"
         )
-        mend = (
-            "write rad or deg ⟨in signal_unit⟩"
-            if wheel
-            else "state the degrees that one unit is worth ⟨in scale⟩"
-        )
-        return NO_SCALE, [
-            f"{turns}, {doubt}: TAKEN AS A READING OF UNKNOWN SCALE. Period and decay need none; for angles {mend}"
-        ]
+        scale = "state the degrees that one unit is worth ⟨in scale⟩"
+        mend = "write rad or deg ⟨in signal_unit⟩" if wheel else scale
+        remark = f"{turns}, {doubt}: TAKEN AS A READING OF UNKNOWN SCALE. Period and decay need none; for angles {mend}"
+        return NO_SCALE, [remark]
     return "deg", [f"{turns}: TAKEN AS DEGREES (⟨signal_unit⟩ says otherwise)"]
 
 
@@ -216,12 +201,9 @@ def check_steps(times: Floats, angle: Floats, place: str) -> None:
     jumps = np.abs(np.diff(angle)) * (steps < 1.5 * np.median(steps))
     far = np.flatnonzero(jumps > pi)
     if len(far):
-        raise InputError(
-            f"{place}, {moment(times[far[0] + 1])} s",
-            f"the angle changes by {jumps[far[0]] / (2 * pi):.3g} turns between two samples",
-            "less than half a turn",
-            "mend the file there, or correct ⟨signal_unit⟩",
-        )
+        problem = f"the angle changes by {jumps[far[0]] / (2 * pi):.3g} turns between two samples"
+        mend = "mend the file there, or correct ⟨signal_unit⟩"
+        raise InputError(f"{place}, {moment(times[far[0] + 1])} s", problem, "less than half a turn", mend)
 
 
 def turns_counted(angle: Floats) -> list[str]:

@@ -104,30 +104,23 @@ def drive(times: Any, values: Any, kind: str, between: str = "curve", free: Any 
             "input_between: curve or line", "leave `delay` out, or say what the drive does between its samples",
         )  # fmt: skip
     if times.shape != values.shape or times.ndim != 1 or times.size < 4:
-        raise InputError(
-            "input", f"{values.size} values for {times.size} times", "one for each time, four at least"
-        )
+        problem = f"{values.size} values for {times.size} times"
+        raise InputError("input", problem, "one for each time, four at least")
     if not np.all(np.diff(times) > 0):
         raise InputError("input", "its times do not increase", "times in s, each later than the time before")
     if not np.isfinite(values).all():
-        at = float(times[~np.isfinite(values)][0])
-        raise InputError(
-            "input",
-            f"no number at {at:.6g} s",
-            "numbers throughout",
-            "leave that part out (⟨start_s⟩ and ⟨stop_s⟩)",
-        )
+        problem = f"no number at {float(times[~np.isfinite(values)][0]):.6g} s"
+        mend = "leave that part out (⟨start_s⟩ and ⟨stop_s⟩)"
+        raise InputError("input", problem, "numbers throughout", mend)
     first, last = times[0] - (times[1] - times[0]), times[-1] + (times[-1] - times[-2])
     pieces = _pieces(times, values, between)
-    rises = (pieces[0, 1], _slope(pieces[-1], times[-1] - times[-2])) if between == "curve" else (0.0, 0.0)
+    rises = 0.0, 0.0  # where it begins and ends
+    if between == "curve":
+        (_, b, c, d), x = pieces[-1], times[-1] - times[-2]
+        rises = pieces[0, 1], float(b + x * (2 * c + x * 3 * d))
     before, after = [values[0] + rises[0] * (first - times[0]), rises[0], 0, 0], [values[-1], rises[1], 0, 0]
     whole = np.concatenate([[before], pieces, [after]])
     return Drive(kind, np.concatenate([[first], times, [last]]), whole, between, left)
-
-
-def _slope(piece: Floats, after: float) -> float:
-    """The rate of a piece so long (s) after its first knot."""
-    return float(piece[1] + after * (2 * piece[2] + after * 3 * piece[3]))
 
 
 def _pieces(times: Floats, values: Floats, between: str) -> Floats:

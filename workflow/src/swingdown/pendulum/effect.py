@@ -22,7 +22,7 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from .formula import evaluate
+from .formula import evaluate, parse
 
 INPUTS = {"input": "1", "input_rate": "1/s", "input_curve": "1/s**2"}
 VARIABLES = {"theta": "1", "thetadot": "1/s", "t": "s", "duration": "s", "omega_n": "1/s", **INPUTS}
@@ -214,12 +214,10 @@ class Effect:
         InputError
             If a formula cannot be read.
         """
-        from . import formula
-
         names = (*VARIABLES, *(p.symbol for p in self.parameters), *(state.symbol for state in self.states))
 
         def read(text: str, *more: str) -> Any:
-            return formula.parse(text, (*names, *more), where=f"effect {self.name}")
+            return parse(text, (*names, *more), where=f"effect {self.name}")
 
         term = read(self.printed if form == "printed" and self.printed else self.term)
         motion = {"torque": term} if self.acts_on == "torque" else {}

@@ -50,9 +50,7 @@ def parse(text: str, names: Iterable[str], where: str = "formula") -> Any:
     try:
         return _expression(tree, text, where)
     except RecursionError:
-        raise InputError(
-            where, f"formula {text!r} is nested too deep", "a formula a person would write"
-        ) from None
+        raise _too_deep(text, where) from None
 
 
 @lru_cache(maxsize=500)
@@ -94,10 +92,12 @@ def _tree(text: str, names: frozenset[str], where: str) -> ast.expr:
             where, f"formula {text!r} cannot be read ({problem})", "ordinary arithmetic"
         ) from None
     except RecursionError:
-        raise InputError(
-            where, f"formula {text!r} is nested too deep", "a formula a person would write"
-        ) from None
+        raise _too_deep(text, where) from None
     return body
+
+
+def _too_deep(text: str, where: str) -> InputError:
+    return InputError(where, f"formula {text!r} is nested too deep", "a formula a person would write")
 
 
 def _check(node: ast.AST, names: frozenset[str], text: str, where: str) -> None:
@@ -141,24 +141,18 @@ def _expression(node: ast.expr, text: str, where: str) -> Any:
         case ast.BinOp(left=left, op=op, right=right):
             first, second = _expression(left, text, where), _expression(right, text, where)
             if isinstance(op, ast.Pow) and second.is_number and abs(second) > _HIGHEST_POWER:
-                raise InputError(
-                    where,
-                    f"the power {second} is not allowed in formula {text!r}",
-                    f"at most {_HIGHEST_POWER}",
-                )
+                problem = f"the power {second} is not allowed in formula {text!r}"
+                raise InputError(where, problem, f"at most {_HIGHEST_POWER}")
             if isinstance(op, ast.Div) and second == 0:
-                raise InputError(
-                    where, f"division by zero is not allowed in formula {text!r}", "real, finite numbers"
-                )
+                problem = f"division by zero is not allowed in formula {text!r}"
+                raise InputError(where, problem, "real, finite numbers")
             found = _BINARY[type(op)](first, second)
         case ast.Call(func=ast.Name(id=name), args=[argument]):
             found = getattr(sympy, FUNCTIONS[name])(_expression(argument, text, where))
-    if found.is_number and not (
-        found.is_extended_real and found.is_finite and abs(found.evalf(5)) <= _LARGEST
-    ):
-        raise InputError(
-            where, f"{ast.unparse(node)!r} in formula {text!r} is no number", "real, finite numbers"
-        )
+    real = not found.is_number or (found.is_extended_real and found.is_finite)
+    if not real or (found.is_number and abs(found.evalf(5)) > _LARGEST):
+        problem = f"{ast.unparse(node)!r} in formula {text!r} is no number"
+        raise InputError(where, problem, "real, finite numbers")
     return found
 
 

@@ -114,8 +114,7 @@ def passages(times: Floats, signal: Floats, middle: float) -> Floats:
 
 
 def middle_crossings(times: Floats, angle: Floats) -> tuple[Floats, Floats]:
-    """When (s) a swing crosses its middle, and the extremes (rad) between each two crossings; a tenth of the spread is hysteresis against
-    noise."""
+    """When (s) a swing crosses its middle, and the extremes (rad) between each two crossings; a tenth of the spread is hysteresis against noise."""
     band = 0.1 * np.sqrt(angle @ angle / angle.size)
     above = angle > band
     marks = (above | (angle < -band)).nonzero()[0]

@@ -109,14 +109,11 @@ class Model:
         return self.label
 
     def _repr_html_(self) -> str:
-        rows = [
-            [
-                name.replace("_", " "),
-                value_with_uncertainty(value, self.standard_errors.get(name, nan)),
-                self.units[name],
-            ]
+        told = {
+            name: value_with_uncertainty(value, self.standard_errors.get(name, nan))
             for name, value in self.values.items()
-        ]
+        }
+        rows = [[name.replace("_", " "), number, self.units[name]] for name, number in told.items()]
         return markup.page([], markup.table([], rows), lead=self.label)
 
     def _check(self, names: Iterable[str]) -> None:
@@ -138,9 +135,8 @@ class Model:
     @cached_property
     def acting(self) -> tuple[Effect, ...]:
         """All that acts on the reading or the motion, in catalogue order: the effects and those of the slack."""
-        return tuple(
-            self.catalogue[name] for name in self.catalogue.ordered((*self.names, *self.slack.names))
-        )
+        names = self.catalogue.ordered((*self.names, *self.slack.names))
+        return tuple(self.catalogue[name] for name in names)
 
     @property
     def reading(self) -> str:
@@ -169,9 +165,8 @@ class Model:
         bare = Model(
             names, {}, {}, self.restoring, self.form, self.catalogue.of(ANGLE), record=self.record, drive=self.drive
         )  # fmt: skip
-        return bare.with_values(
-            {name: value for name, value in self.values.items() if name in bare.parameters}
-        )
+        kept = {name: value for name, value in self.values.items() if name in bare.parameters}
+        return bare.with_values(kept)
 
     @property
     def takes_input(self) -> bool:
@@ -291,9 +286,8 @@ class Model:
             If values are missing; it names them.
         """
         if lost := [name for name in self.parameters if name not in self.values]:
-            raise InputError(
-                f"model {self.label}", f"no value for {', '.join(lost)}", "a value for each parameter"
-            )
+            problem = f"no value for {', '.join(lost)}"
+            raise InputError(f"model {self.label}", problem, "a value for each parameter")
         return [float(self.values[name]) for name in self.parameters]
 
 

@@ -6,6 +6,7 @@ from math import inf
 from typing import Any
 
 from ..errors import InputError
+from . import formula
 from .effect import VARIABLES, Effect, Parameter
 
 _NAME = re.compile(r"[a-z][a-z0-9_]*")
@@ -33,9 +34,8 @@ def own_effects(entries: Mapping[str, Any], where: str = "config, key effects") 
 
 def _effect(name: str, entry: Mapping[str, Any], where: str) -> Effect:
     if not _NAME.fullmatch(name):
-        raise InputError(
-            where, f"{name!r} is no name of an effect", "small letters, digits and _", "rename it"
-        )
+        problem = f"{name!r} is no name of an effect"
+        raise InputError(where, problem, "small letters, digits and _", "rename it")
     parameters = tuple(
         _parameter(name, symbol, one or {}, where) for symbol, one in entry.get("parameters", {}).items()
     )
@@ -53,9 +53,8 @@ def _parameter(effect: str, symbol: str, entry: Mapping[str, Any], where: str) -
     lower, upper = entry.get("lower", -inf), entry.get("upper", inf)
     starts = tuple(map(float, entry.get("start", ())))
     if not lower < upper:
-        raise InputError(
-            place, f"the bounds {lower:g} and {upper:g} leave nothing between them", "lower below upper"
-        )
+        problem = f"the bounds {lower:g} and {upper:g} leave nothing between them"
+        raise InputError(place, problem, "lower below upper")
     if outside := [value for value in starts if not lower <= value <= upper]:
         raise InputError(f"{place}.start", f"{outside[0]:g} is outside the bounds", f"{lower:g} to {upper:g}")
     typical = entry.get("typical", abs(starts[0]) if starts and starts[0] else 1.0)
@@ -66,17 +65,14 @@ def _parameter(effect: str, symbol: str, entry: Mapping[str, Any], where: str) -
 
 
 def _check_formula(effect: Effect, where: str) -> None:
-    from . import formula
-
     torque = effect.expressions().motion["torque"]
     if not effect.parameters:
         raise InputError(f"{where}.parameters", "it has no parameter", "at least one, such as its size")
     for parameter in effect.parameters:
         at, place = formula.symbol(parameter.symbol), f"{where}.parameters.{parameter.symbol}"
         if not torque.has(at):
-            raise InputError(
-                place, "the torque does not use it", f"only what is in {effect.term!r}", "remove it"
-            )
+            problem = "the torque does not use it"
+            raise InputError(place, problem, f"only what is in {effect.term!r}", "remove it")
         if parameter.role == "size" and torque.diff(at).has(at):
             raise InputError(place, "the torque is not linear in it", "values to start fits from",
                              "add a key `start` with a few")  # fmt: skip

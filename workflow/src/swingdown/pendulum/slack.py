@@ -1,7 +1,7 @@
 """What a measurement leaves open of its readings: nuisance effects, how large their values can be, and from which sources."""
 
 import re
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -59,6 +59,14 @@ class Slack:
         inverse = np.linalg.inv(correlation + 1e-9 * np.eye(size.size))
         return float(self.noise or 0.0) ** 2 * inverse / np.outer(size, size)
 
+    def precision_among(self, free: Sequence[str]) -> Floats:
+        """The precision over all ``free`` values of a fit, (free, free); zeros where nothing is open, or not all that is is free."""
+        found = np.zeros((len(free), len(free)))
+        if self.names and set(self.parameters) <= set(free):
+            at = [free.index(name) for name in self.parameters]
+            found[np.ix_(at, at)] = self.precision
+        return found
+
     def weighed(self, noise: float) -> "Slack":
         """The same, weighed against residuals of this standard deviation (rad)."""
         return replace(self, noise=float(noise))
@@ -66,9 +74,8 @@ class Slack:
     def without(self, effects: Collection[str]) -> "Slack":
         """The same without effects that a model has under their own names: of these nothing is taken for known."""
         kept = [k for k, name in enumerate(self.names) if name not in effects]
-        return replace(
-            self, names=tuple(self.names[k] for k in kept), contributions=self.contributions[kept, :]
-        )
+        names = tuple(self.names[k] for k in kept)
+        return replace(self, names=names, contributions=self.contributions[kept, :])
 
 
 def reading_slack(values: dict[str, dict[str, float]], clock: float = 0.0) -> Slack:

@@ -9,7 +9,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..arrays import Floats
-from ..discovery.see.locate import KINDS
 from ..own_unit import axis, small, speed
 from ..own_unit import shown as shown_in
 from ..pendulum.catalogue import RATE
@@ -18,6 +17,7 @@ from . import style
 _KNOWN = 0.3  # of a torque on the map must be determined by the data for it to be drawn
 _PLAIN = 2.0  # standard errors from nothing
 _LITTLE = 0.01  # of the largest kind: a smaller one is nothing beside it
+_WORDS = {"time": "time-dependent"}
 _COLOURS = "RdBu_r"
 
 
@@ -76,7 +76,7 @@ def _sizes(axes: Axes, sizes: Mapping[str, float], unit: str) -> None:
         told = small(value if value > _LITTLE * most else 0.0, unit, "{:.2g}".format)
         axes.annotate(told, (value, k), (4, 0), textcoords="offset points", va="center", fontsize=9)
     axes.set(xlim=(0, 1.6 * most), xticks=(), xlabel="RMS of the readings", title="how much")
-    axes.set_yticks(range(len(names)), [KINDS.get(name, name) for name in names])
+    axes.set_yticks(range(len(names)), [_WORDS.get(name, name) for name in names])
 
 
 def _course(axes: Axes, course: pd.DataFrame, unit: str) -> None:

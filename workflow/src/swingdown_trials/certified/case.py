@@ -61,9 +61,8 @@ def text(path: Path) -> str:
     try:
         return path.read_text(encoding="utf-8")
     except FileNotFoundError:
-        raise InputError(
-            path, "it is not there", "the project's certified values", "restore resources/certified"
-        ) from None
+        mend = "restore resources/certified"
+        raise InputError(path, "it is not there", "the project's certified values", mend) from None
 
 
 def pairs(certified: list[Decimal], ours: Any) -> Iterator[tuple[Decimal, float]]:

@@ -35,15 +35,12 @@ def _york(folder: Path) -> Iterator[Quantity]:
     data = columns(folder / "pearson_york.csv")
     line = fit_line(data["x"], data["y"], data["weight_x"] ** -0.5, data["weight_y"] ** -0.5)
     found = _line(line) | {"reduced_chi2": line.chi2 / line.dof}
-    yield from (
-        Quantity("York/Pearson", key, known["pearson"][key], found[key], YORK) for key in known["pearson"]
-    )
+    for key, certified in known["pearson"].items():
+        yield Quantity("York/Pearson", key, certified, found[key], YORK)
     data = columns(folder / "mathioulakis.csv")
     found = _line(fit_line(data["x"], data["y"], data["u_x"], data["u_y"]))
-    yield from (
-        Quantity("Mathioulakis", key, known["mathioulakis"][key], found[key], MATHIOULAKIS)
-        for key in known["mathioulakis"]
-    )
+    for key, certified in known["mathioulakis"].items():
+        yield Quantity("Mathioulakis", key, certified, found[key], MATHIOULAKIS)
 
 
 def _line(line: Line) -> dict[str, float]:
@@ -56,14 +53,8 @@ def _line(line: Line) -> dict[str, float]:
 
 
 def _iso(folder: Path) -> Iterator[Quantity]:
-    names = {
-        "a": "intercept",
-        "b": "slope",
-        "u_a": "u_intercept",
-        "u_b": "u_slope",
-        "cov_ab": "cov",
-        "chi2": "chi2",
-    }
+    names = {"a": "intercept", "b": "slope", "cov_ab": "cov", "chi2": "chi2"}
+    names |= {f"u_{key}": f"u_{names[key]}" for key in "ab"}
     for case, known in values(folder / "expected.json").items():
         data = columns(folder / f"{case}.csv")
         line = fit_line(data["x"], data["y"], data.get("u_x", 0.0), data["u_y"])

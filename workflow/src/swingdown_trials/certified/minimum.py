@@ -76,9 +76,8 @@ def least_squares(
     for name, given, default in (("lower", lower, -np.inf), ("upper", upper, np.inf)):
         bounds.append(np.full(size, default) if given is None else np.array(given, dtype=float))
         if bounds[-1].shape != x.shape:
-            raise InputError(
-                f"least squares, {name}", f"{bounds[-1].size} bounds for {size} variables", "one each"
-            )
+            problem = f"{bounds[-1].size} bounds for {size} variables"
+            raise InputError(f"least squares, {name}", problem, "one each")
     if not np.all(bounds[0] <= bounds[1]):
         raise InputError("least squares, lower", "above the upper bound", "lower at most upper")
     raised: list[BaseException] = []
@@ -87,15 +86,11 @@ def least_squares(
         if raised:
             return np.nan
         try:
-            residuals, jacobian = (
-                np.asarray(part, dtype=float) for part in residuals_and_jacobian(at.copy())
-            )
+            parts = residuals_and_jacobian(at.copy())
+            residuals, jacobian = (np.asarray(part, dtype=float) for part in parts)
             if residuals.ndim != 1 or jacobian.shape != (residuals.size, size):
-                raise InputError(
-                    "least squares",
-                    f"residuals of shape {residuals.shape}, derivatives {jacobian.shape}",
-                    f"(m,) and (m, {size})",
-                )
+                problem = f"residuals of shape {residuals.shape}, derivatives {jacobian.shape}"
+                raise InputError("least squares", problem, f"(m,) and (m, {size})")
             if not (np.all(np.isfinite(residuals)) and np.all(np.isfinite(jacobian))):
                 return np.inf
             gradient[:] = jacobian.T @ residuals
@@ -111,7 +106,6 @@ def least_squares(
     if raised:
         raise raised[0]
     if outcome.converged < 0:
-        raise InputError(
-            "least squares, start", f"the residuals at {x} are not finite", "a start that can be computed"
-        )
+        problem = f"the residuals at {x} are not finite"
+        raise InputError("least squares, start", problem, "a start that can be computed")
     return Minimum(x, 2.0 * half, normal, outcome.converged == 1, outcome.evaluations)

@@ -98,9 +98,8 @@ def read(folder: Path, name: str) -> Problem:
     data = np.array([line.split() for line in lines[60:] if line.strip()], dtype=float).T
     x, y = data[1] if len(data) == 2 else data[1:], np.log(data[0]) if name == "Nelson" else data[0]
     starts = np.array([row[:2] for row in rows], dtype=float).T
-    return Problem(
-        starts, [Decimal(row[2]) for row in rows], [Decimal(row[3]) for row in rows], Decimal(rss), x, y
-    )
+    certified, deviations = ([Decimal(row[k]) for row in rows] for k in (2, 3))
+    return Problem(starts, certified, deviations, Decimal(rss), x, y)
 
 
 def residuals(name: str, x: Floats, y: Floats) -> Callable[[Floats], tuple[Floats, Floats]]:
@@ -125,12 +124,7 @@ def quantities(folder: Path) -> Iterator[Quantity]:
             case, dof = f"NIST {name}", problem.y.size - start.size
             spread = np.sqrt(np.diag(np.linalg.inv(found.normal)) * found.rss / dof)
             for k, (value, deviation) in enumerate(zip(problem.parameters, problem.deviations, strict=True)):
-                yield Quantity(case, f"b{k + 1}, start {number}", value, float(found.x[k]), SOURCE)
-                yield Quantity(
-                    case,
-                    f"standard deviation of b{k + 1}, start {number}",
-                    deviation,
-                    float(spread[k]),
-                    SOURCE,
-                )
+                which = f"b{k + 1}, start {number}"
+                yield Quantity(case, which, value, float(found.x[k]), SOURCE)
+                yield Quantity(case, f"standard deviation of {which}", deviation, float(spread[k]), SOURCE)
             yield Quantity(case, f"residual sum of squares, start {number}", problem.rss, found.rss, SOURCE)

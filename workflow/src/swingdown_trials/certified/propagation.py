@@ -22,6 +22,7 @@ from .case import Quantity, pairs, text, values
 from .lines import columns
 
 DRAWS = 1_000_000
+DRAWN = ("y", "u", "shortest 95 % low", "shortest 95 % high")  # what ``summarise`` tells
 RECALLED = "; recalled, and derived again by 4e6 draws of another program"
 
 
@@ -54,18 +55,10 @@ def _end_gauge(folder: Path) -> Iterator[Quantity]:
     known, source = values(folder / "expected.json")["H1"], "JCGM 100:2008, annex H.1"
     inputs = []
     for row in csv.DictReader(text(folder / "h1_inputs.csv").splitlines()):
-        name, value, width, dof = (
-            row["name"],
-            float(row["value"]),
-            float(row["half_width_or_u"]),
-            float(row["dof"]),
-        )
-        normal = row["distribution"] == "normal"
-        inputs.append(
-            Input(name, value, width, dof=dof)
-            if normal
-            else from_limit(name, value, width, row["distribution"], dof=dof)
-        )
+        name, kind = row["name"], row["distribution"]
+        value, width, dof = (float(row[key]) for key in ("value", "half_width_or_u", "dof"))
+        normal = Input(name, value, width, dof=dof)
+        inputs.append(normal if kind == "normal" else from_limit(name, value, width, kind, dof=dof))
 
     def gauge(x: Floats) -> Floats:
         standard, d0, d1, d2, alpha, d_alpha, d_theta, theta, cyclic = x
@@ -104,22 +97,17 @@ def _impedance(folder: Path) -> Iterator[Quantity]:
 
 
 def _additive(known: dict[str, Any]) -> Iterator[Quantity]:
-    for number, key in (
-        ("9.2.2", "additive_normal"),
-        ("9.2.3", "additive_rect"),
-        ("9.2.4", "additive_rect_unequal"),
-    ):
+    keys = {"9.2.2": "additive_normal", "9.2.3": "additive_rect", "9.2.4": "additive_rect_unequal"}
+    for number, key in keys.items():
         case, name = known[f"{key}_{number}"], f"JCGM 101 {number}"
         source = f"JCGM 101:2008, {number}" + (RECALLED if "recalled" in case["source"] else "")
         widths = [sqrt(3)] * 3 + [10 * sqrt(3) if number == "9.2.4" else sqrt(3)]
-        inputs = [
-            Input("x", 0.0, 1.0) if number == "9.2.2" else from_limit("x", 0.0, width) for width in widths
-        ]
+        normal = number == "9.2.2"
+        inputs = [Input("x", 0.0, 1.0) if normal else from_limit("x", 0.0, width) for width in widths]
         drawn = draw_inputs(inputs, DRAWS, 1).sum(axis=0)
         yield Quantity(name, "u", case["u"], float(drawn.std()), source, draws=DRAWS)
-        for end, (true, ours) in zip(
-            ("low", "high"), pairs(case["ci95"], symmetric_interval(drawn)), strict=True
-        ):
+        both = pairs(case["ci95"], symmetric_interval(drawn))
+        for end, (true, ours) in zip(("low", "high"), both, strict=True):
             yield Quantity(name, f"95 % {end}", true, ours, source, draws=DRAWS)
 
 
@@ -146,11 +134,9 @@ def _mass(case: dict[str, Any]) -> Iterator[Quantity]:
         ("95 % high, first order", case["ci95_first_order"][1], first.value[0] + half),
     ):
         yield Quantity("JCGM 101 9.3", key, true, float(ours), source, "mg")
-    mean, u, low, high = summarise(mass(draw_inputs(inputs, DRAWS, 2)))
+    found = summarise(mass(draw_inputs(inputs, DRAWS, 2)))
     known = [case["y_mg"], case["u_mc"], *case["shortest95_mc"]]
-    for key, (true, ours) in zip(
-        ("y", "u", "shortest 95 % low", "shortest 95 % high"), pairs(known, [mean, u, low, high]), strict=True
-    ):
+    for key, (true, ours) in zip(DRAWN, pairs(known, found), strict=True):
         yield Quantity("JCGM 101 9.3", key, true, ours, source, "mg", draws=DRAWS)
 
 
@@ -169,7 +155,5 @@ def _loss(rows: list[dict[str, Any]]) -> Iterator[Quantity]:
         yield Quantity(name, "u, first order", row["gum_u"], float(first), source, "1e-6")
         found = summarise(loss(draw_inputs(inputs, DRAWS, 3, correlation)))
         known = [row["mean"], row["u"], *row["shortest95"]]
-        for key, (true, ours) in zip(
-            ("y", "u", "shortest 95 % low", "shortest 95 % high"), pairs(known, found), strict=True
-        ):
+        for key, (true, ours) in zip(DRAWN, pairs(known, found), strict=True):
             yield Quantity(name, key, true, ours, source, "1e-6", draws=DRAWS)

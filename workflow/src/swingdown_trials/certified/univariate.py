@@ -20,9 +20,6 @@ def quantities(folder: Path) -> Iterator[Quantity]:
     """The Quantities of all sets."""
     for name, case in values(folder / "nist_strd_univariate/expected.json").items():
         found = mean_of_samples(samples(case))
-        for key, ours in (
-            ("mean", found.value),
-            ("standard_deviation", found.standard_deviation),
-            ("lag_1", found.lag_1),
-        ):
+        told = {"mean": found.value, "standard_deviation": found.standard_deviation, "lag_1": found.lag_1}
+        for key, ours in told.items():
             yield Quantity(f"NIST {name}", key, case[key], ours, SOURCE, exact=True)

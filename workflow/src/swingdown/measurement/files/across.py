@@ -9,9 +9,8 @@ from .cells import EITHER, NUMBER, split, stripped
 from .layout import COMMENT, DIALECTS
 
 FEWEST = 10  # samples: fewer rows are none of a recording's, and fewer columns none of its samples
-_LIST = re.compile(
-    r"(?:([^\W\d]\w*)\s*[=:]\s*)?(?:[\w.]+\()?[\[({]([^\[\](){}]*)[\])}]+[;,]?"
-)  # as a program prints it, with its name
+# as a program prints it, with its name
+_LIST = re.compile(r"(?:([^\W\d]\w*)\s*[=:]\s*)?(?:[\w.]+\()?[\[({]([^\[\](){}]*)[\])}]+[;,]?")
 _NUMBER = NUMBER[EITHER]
 
 
@@ -32,9 +31,8 @@ def upright(lines: Sequence[str]) -> io.BytesIO | None:
         if len(sizes) > 1 or min(sizes) - any(named) < FEWEST or any(named) != all(named):
             continue
         numbers = [row[any(named) :] for row in rows]
-        if all(not cell or _NUMBER.fullmatch(cell) for row in numbers for cell in row) and any(
-            map(_rises, numbers)
-        ):
+        whole = all(not cell or _NUMBER.fullmatch(cell) for row in numbers for cell in row)
+        if whole and any(map(_rises, numbers)):
             text = "\n".join("\t".join(cells) for cells in zip(*rows, strict=True))
             return io.BytesIO(f"{text}\n".encode())
     return None

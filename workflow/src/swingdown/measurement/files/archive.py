@@ -10,16 +10,18 @@ import zlib
 from typing import BinaryIO, NamedTuple
 
 from ...errors import InputError
+from .elements import DAMAGED, ZIP
 from .text import HEAD, PIECE
 from .workbook import sheet
 
-ZIP, OLD, GZIP = b"PK\x03\x04", b"\xd0\xcf\x11\xe0", b"\x1f\x8b"
+OLD, GZIP = b"\xd0\xcf\x11\xe0", b"\x1f\x8b"
 FEWEST_ROWS = 10  # of numbers in a sheet that holds a recording
 _NUMBER = re.compile(rb"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
 LARGEST = 500_000_000  # bytes, unpacked: a workbook is held whole
 TEXT = (".csv", ".txt", ".tsv", ".dat")
 OTHERS = (".xlsx", ".xls", ".ods", ".trk", ".trz", ".labx", ".lab", ".cmbl", ".mat")  # in a zip archive
 UNPACK = "unpack the archive and name the file in it"
+IN_PIECES = "a CSV file by itself is read in pieces"
 
 
 class Inside(NamedTuple):
@@ -56,22 +58,10 @@ def unpacked(source: BinaryIO, name: str, part: str) -> Inside | None:
                 size = sum(one.file_size for one in archive.infolist())
                 if not {"xl/workbook.xml", "xl/workbook.bin", "content.xml"} & set(names):
                     return _member(archive, name, part)
-        except (
-            zipfile.BadZipFile,
-            zlib.error,
-            RuntimeError,
-            NotImplementedError,
-            EOFError,
-            OSError,
-        ) as error:
-            raise InputError(
-                name,
-                f"the archive cannot be read ({error})",
-                "a zip archive or a workbook",
-                "export it again",
-            ) from error
+        except (*DAMAGED, OSError) as error:
+            problem = f"the archive cannot be read ({error})"
+            raise InputError(name, problem, "a zip archive or a workbook", "export it again") from error
         _check_size(name, "the workbook", size, "save the sheet as CSV, which is read in pieces")
-    source.seek(0)
     return _sheet(source, name, part)
 
 
@@ -82,13 +72,10 @@ def _alone(source: BinaryIO, name: str) -> Inside:
         with gzip.GzipFile(fileobj=source) as packed:
             while piece := packed.read(PIECE):
                 copy.write(piece)
-                _check_size(
-                    name, "the file in it", copy.tell(), "unpack it: a CSV file by itself is read in pieces"
-                )
+                _check_size(name, "the file in it", copy.tell(), f"unpack it: {IN_PIECES}")
     except (OSError, EOFError, zlib.error) as error:
-        raise InputError(
-            name, f"it cannot be unpacked ({error})", "a whole file that gzip packed", "pack it again"
-        ) from error
+        problem = f"it cannot be unpacked ({error})"
+        raise InputError(name, problem, "a whole file that gzip packed", "pack it again") from error
     copy.seek(0)
     return Inside(copy, "unpacked", inside if inside.lower().endswith(OTHERS) else "")
 
@@ -127,9 +114,8 @@ def _member(archive: zipfile.ZipFile, name: str, part: str) -> Inside:
     if part and part not in archive.namelist():
         raise _no_part(name, part, files, "file")
     if not files:
-        raise InputError(
-            name, "the archive holds no table of numbers", "a CSV file in it, or a workbook", UNPACK
-        )
+        problem = "the archive holds no table of numbers"
+        raise InputError(name, problem, "a CSV file in it, or a workbook", UNPACK)
     if not part and len(files) > 1:  # notes are no recording
         tables = []
         for one in files:
@@ -147,8 +133,8 @@ def _member(archive: zipfile.ZipFile, name: str, part: str) -> Inside:
         several.names, several.others = tuple(files), tuple(one for one in all_ if one not in files)
         raise several
     chosen = part or files[0]
-    mend = "unpack the archive: a CSV file by itself is read in pieces"
-    _check_size(name, f"`{chosen}` in it", archive.getinfo(chosen).file_size, mend)
+    size = archive.getinfo(chosen).file_size
+    _check_size(name, f"`{chosen}` in it", size, f"unpack the archive: {IN_PIECES}")
     copy = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the last reference
     with archive.open(chosen) as packed:
         shutil.copyfileobj(packed, copy)
@@ -163,9 +149,6 @@ def _check_size(name: str, what: str, size: int, mend: str) -> None:
 
 
 def _no_part(name: str, part: str, there: list[str], what: str) -> InputError:
-    return InputError(
-        f"{name} (column sheet)",
-        f"there is no {what} {part!r} in it",
-        ", ".join(there) or "none at all",
-        "correct ⟨sheet⟩, or leave it empty",
-    )
+    problem = f"there is no {what} {part!r} in it"
+    expected = ", ".join(there) or "none at all"
+    return InputError(f"{name} (column sheet)", problem, expected, "correct ⟨sheet⟩, or leave it empty")

@@ -60,12 +60,9 @@ def measurements(source: BinaryIO, name: str) -> dict[str, Columns]:
             if columns := _run([group[k] for group in groups if len(group) > k]):
                 found.append(columns)
     if not found:
-        raise InputError(
-            name,
-            "it holds no channel of times with a channel of values beside it",
-            "a measurement against time",
-            "measure against the time t, or export the table as text",
-        )
+        problem = "it holds no channel of times with a channel of values beside it"
+        expected = "a measurement against time"
+        raise InputError(name, problem, expected, "measure against the time t, or export the table as text")
     return {f"run {k}": columns for k, columns in enumerate(found, 1)}
 
 
@@ -78,11 +75,8 @@ def _run(channels: list[Element]) -> Columns | None:
     length = times[0]
     spectra = {len(values) for one, values in filled if text_in(one, "unit") == "Hz"} - {length}
     counted = [float(k) for k in range(1, length + 1)]  # the numbers of the samples: nothing was measured
-    kept = [
-        (one, values)
-        for one, values in filled
-        if len(values) not in spectra and values != counted[: len(values)]
-    ]
+    beside = ((one, values) for one, values in filled if len(values) not in spectra)
+    kept = [(one, values) for one, values in beside if values != counted[: len(values)]]
     if len(kept) < 2:
         return None
     begun = next((date for one, _ in kept if (date := one.get("datetime"))), "")

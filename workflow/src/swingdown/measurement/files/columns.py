@@ -176,7 +176,8 @@ def _unit_in(name: str) -> tuple[str, str]:
         return found[1], f"{found[2]}/s"
     if found := re.fullmatch(r"(.*?)\s*[(\[]\s*([^()\[\]]*?)\s*[)\]]\s*", name):
         label, inside = found.groups()
-        return label, inside if _is_unit(inside) else ""
+        # a word of comment, such as in ``angle (filtered)``, is none
+        return label, inside if inside.lower() in UNITS or re.search(r"[/^°²·%]", inside) else ""
     # the German noun; what is no noun may be a 400th of a turn
     if found := re.fullmatch(rf"(.+) {_IN} Grad(/s)?", name):
         return found[1], "degrees" + (found[2] or "")
@@ -191,11 +192,6 @@ def _unit_in(name: str) -> tuple[str, str]:
         if (found := re.fullmatch(pattern, name)) and found[2].lower() in UNITS and _states(*found.groups()):
             return found[1], found[2]
     return name, ""
-
-
-def _is_unit(inside: str) -> bool:
-    """True for what stands in brackets unless it is a word of comment, such as ``angle (filtered)``."""
-    return inside.lower() in UNITS or bool(re.search(r"[/^°²·%]", inside))
 
 
 def _states(label: str, unit: str) -> bool:
@@ -236,24 +232,18 @@ def choose(
             "name it ⟨in time_column⟩, or write its unit ⟨in time_unit⟩; for a file without times write the samples a second ⟨in rate_hz⟩",
         )
     if not units[0] and clock.written and not clock.unit:
-        raise InputError(
-            f"{place}, {place_of(clock.name)}",
-            f"the unit of the time, {clock.written!r}, is not known here",
-            "s, ms, us or ns",
-            "convert the column, or write its unit ⟨in time_unit⟩",
-        )
-    return clock, _swing(
-        clock, [one for one in columns if one is not clock], by_name, signal, place, units[1]
-    )
+        problem = f"the unit of the time, {clock.written!r}, is not known here"
+        mend = "convert the column, or write its unit ⟨in time_unit⟩"
+        raise InputError(f"{place}, {place_of(clock.name)}", problem, "s, ms, us or ns", mend)
+    others = [one for one in columns if one is not clock]
+    return clock, _swing(clock, others, by_name, signal, place, units[1])
 
 
 def _numbered_once(columns: list[Meaning]) -> list[Meaning]:
     """The columns, ``X1`` and ``Y1`` of a single point with their axes: of several points nobody says which is the bob."""
     found = [_POINT.fullmatch(one.name) if one.kind in (LENGTH, UNTOLD) else None for one in columns]
-    if (
-        sorted(one[1].lower() for one in found if one) != ["x", "y"]
-        or len({one[2] for one in found if one}) > 1
-    ):
+    axes, points = [one[1].lower() for one in found if one], {one[2] for one in found if one}
+    if sorted(axes) != ["x", "y"] or len(points) > 1:
         return columns
     return [replace(one, axis=at[1].lower()) if at else one for one, at in zip(columns, found, strict=True)]
 
@@ -381,17 +371,12 @@ def _checked(one: Meaning, others: list[Meaning], place: str, stated: str) -> Me
     }
     if accelerates(one):
         mends[OTHER] = OF_ACCELERATIONS
-    what = _saying(one)
+    unknown = dict.fromkeys((ANGLE, VOLTAGE), " in a unit known here") | {
+        RATE: " and no rate in a unit known here"
+    }
     raise InputError(
         f"{place}, {place_of(one.name)}",
-        f"{what} is no angle"
-        + (
-            " in a unit known here"
-            if one.kind in (ANGLE, VOLTAGE)
-            else " and no rate in a unit known here"
-            if one.kind == RATE
-            else ""
-        ),
+        f"{_saying(one)} is no angle{unknown.get(one.kind, '')}",
         "an angle in rad or deg, an angular rate in rad/s or deg/s, encoder counts, volts, or positions x and y"
         + (f"; the file has {', '.join(column.name for column in others)}" if len(others) > 1 else ""),
         mends.get(one.kind, "name the column of the angle ⟨in signal_column⟩"),

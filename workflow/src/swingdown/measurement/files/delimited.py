@@ -44,18 +44,14 @@ def delimited(source: BinaryIO, name: str, rate: float = np.nan) -> dict[str, Ta
         return prefixed("a word beside each number", delimited(text, name, rate))
     blocks, opening = find_blocks(source, coded, how, name) if how else ([], [])
     if not how or not blocks:
-        raise InputError(
-            name, "it holds no table of numbers", "columns of numbers: a time and a swing", "export it again"
-        )
+        problem = "it holds no table of numbers"
+        raise InputError(name, problem, "columns of numbers: a time and a swing", "export it again")
     about, volts = _about(opening), any(map(_VOLTS.match, head[:_SETTINGS]))
     found = {}
     for number, block in enumerate(blocks, 1):
         whole, laid = _table(source, block, how, coded, name, rate)
-        if (
-            not rate > 0
-            and (known := stated_rate([*block.above, *block.sample[:1]]))
-            and _untimed(whole, laid)
-        ):
+        known = 0.0 if rate > 0 else stated_rate([*block.above, *block.sample[:1]])
+        if known and _untimed(whole, laid):
             whole, laid = _table(source, block, how, coded, name, known, told=True)
         whole = _in_volts(whole) if volts else whole
         whole = whole._replace(about=about, cut=block is blocks[-1] and cut_short(source, block, laid))
@@ -108,20 +104,15 @@ def _without_brackets(source: BinaryIO, coded: str, name: str, head: Sequence[st
     rows = [line for line in head if line.strip()]
     if not rows or np.mean([bool(_BRACKETED.match(line)) for line in rows]) < _MOSTLY:
         return None
-    whole = "".join(
-        piece.decode(charset(coded), errors="replace") for _, piece in pieces_of(source, coded, name)
-    )
-    return io.BytesIO(_BRACKETED.sub(r"\1", whole).encode())
+    texts = (piece.decode(charset(coded), errors="replace") for _, piece in pieces_of(source, coded, name))
+    return io.BytesIO(_BRACKETED.sub(r"\1", "".join(texts)).encode())
 
 
 def _head(source: BinaryIO, coded: str, name: str) -> list[str]:
     """The first lines of a text, none of them cut short."""
     _, piece = next(pieces_of(source, coded, name), (1, b""))
-    return (
-        piece[:HEAD]
-        .decode(charset(coded), errors="replace")
-        .split("\n")[: None if len(piece) <= HEAD else -1]
-    )
+    lines = piece[:HEAD].decode(charset(coded), errors="replace").split("\n")
+    return lines if len(piece) <= HEAD else lines[:-1]
 
 
 def _about(opening: Sequence[str]) -> dict[str, str]:
@@ -152,12 +143,8 @@ def stated_rate(above: Sequence[str]) -> float:
 def _in_volts(table: Table) -> Table:
     """The table with V as the unit of each column without one that neither is a time nor goes on as one."""
     first = next(iter(table.pieces))
-    own = {one: table.meaning(one) for one in table.names}
-    plain = [
-        one
-        for one, told in own.items()
-        if told.kind == UNTOLD and not told.axis and not goes_on(table.numbers(first, one))
-    ]
+    untold = (one.name for one in table.meanings if one.kind == UNTOLD and not one.axis)
+    plain = [name for name in untold if not goes_on(table.numbers(first, name))]
     return table._replace(units={**dict.fromkeys(plain, "V"), **table.units})
 
 
@@ -172,7 +159,7 @@ def _untimed(table: Table, laid: Layout) -> bool:
     return not clocks and not any(meaning(one).kind == TIME for one in filled)
 
 
-def _check_untimed(laid: Layout, name: str, told: bool = False) -> None:
+def _check_untimed(laid: Layout, name: str, told: bool) -> None:
     """InputError for a table with times of its own where the sheet states a rate; of one whose own rate is ``told`` the columns may have no names."""
     unnamed = not laid.named and len(laid.names) > 1 and not told
     timed = not told and any(meaning(one).kind == TIME for one in laid.names)

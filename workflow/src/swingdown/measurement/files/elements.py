@@ -14,6 +14,7 @@ from ...arrays import Floats
 from ...errors import InputError
 
 ZIP = b"PK\x03\x04"
+DAMAGED = (zipfile.BadZipFile, zlib.error, RuntimeError, EOFError)  # what a zip archive raises that is so
 FEWEST = 10  # numbers in an array; a shorter one is a setting
 LARGEST = 100_000_000  # bytes of XML: the tree is held whole and takes some ten times as much
 
@@ -32,10 +33,8 @@ class Columns(NamedTuple):
     @classmethod
     def of_arrays(cls, kept: Mapping[str, Floats], kind: str, more: str = "") -> "Columns":
         """The Columns of arrays that ``kind`` saved, by their names; those of one array, ``name 1`` and so on, are in order."""
-        one = {re.sub(r" \d+$", "", name) for name in kept}
-        return cls(
-            pd.DataFrame(kept), f"arrays of {kind}{more}", about={"source": kind}, ordered=len(one) == 1
-        )
+        frame, alike = pd.DataFrame(kept), {re.sub(r" \d+$", "", name) for name in kept}
+        return cls(frame, f"arrays of {kind}{more}", about={"source": kind}, ordered=len(alike) == 1)
 
 
 def of_elements(
@@ -89,44 +88,25 @@ def roots(source: BinaryIO, name: str, program: str, ending: str, way: str = "as
         with zipfile.ZipFile(source) as archive:
             inside = [one for one in archive.namelist() if one.lower().endswith(ending)]
             if not inside:
-                raise InputError(
-                    name,
-                    f"the archive holds no file that ends in {ending}",
-                    f"an archive that {program} saved",
-                    f"save it again in {program}",
-                )
+                problem = f"the archive holds no file that ends in {ending}"
+                expected = f"an archive that {program} saved"
+                raise InputError(name, problem, expected, f"save it again in {program}")
             for one in inside:
                 with archive.open(one) as file:
                     yield _root(file.read(LARGEST + 1), f"{name}, {one}")
-    except (
-        ElementTree.ParseError,
-        LookupError,
-        ValueError,
-        zipfile.BadZipFile,
-        zlib.error,
-        RuntimeError,
-        EOFError,
-    ) as error:
-        if isinstance(error, InputError):
-            raise
-        what = (
-            "it is no XML, or not whole"
-            if isinstance(error, ElementTree.ParseError)
-            else f"it cannot be read ({error})"
-        )
-        raise InputError(
-            name,
-            what,
-            f"a file as {program} saves it",
-            f"save it again in {program}, or export its table {way}",
-        ) from error
+    except InputError:
+        raise
+    except (ElementTree.ParseError, LookupError, ValueError, *DAMAGED) as error:
+        no_xml = isinstance(error, ElementTree.ParseError)
+        what = "it is no XML, or not whole" if no_xml else f"it cannot be read ({error})"
+        mend = f"save it again in {program}, or export its table {way}"
+        raise InputError(name, what, f"a file as {program} saves it", mend) from error
 
 
 def _root(content: bytes, name: str) -> Element:
     if len(content) > LARGEST:
-        raise InputError(
-            name, f"it has more than {LARGEST / 1e6:.0f} MB", "a smaller file", "export its table as CSV"
-        )
+        problem = f"it has more than {LARGEST / 1e6:.0f} MB"
+        raise InputError(name, problem, "a smaller file", "export its table as CSV")
     return ElementTree.fromstring(content, ElementTree.XMLParser(target=_Plain()))
 
 

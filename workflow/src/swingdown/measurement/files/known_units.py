@@ -1,13 +1,12 @@
 """Columns in units that are a known number of another one, as min or mrad: they are read in s, rad and V."""
 
-from collections.abc import Mapping
 from math import pi
 from typing import Any
 
 import pandas as pd
 
 from ...errors import InputError
-from ..sheet import LENGTHS
+from ..sheet import LENGTHS, Row
 from .columns import TIME, UNTOLD
 from .table import Table
 
@@ -45,7 +44,7 @@ def with_stated_length(table: Table, row: dict[str, Any], place: str) -> tuple[T
     return table._replace(units={**table.units, **dict.fromkeys(named, unit)}), {**row, "signal_unit": ""}
 
 
-def in_known_units(table: Table, row: Mapping[str, Any]) -> Table:
+def in_known_units(table: Table, row: Row) -> Table:
     """The table with the columns in such a unit in s, rad, V or rad/s, each with a remark; where the sheet's ``row`` states a unit, as it is."""
     known = table.meanings
     found = {

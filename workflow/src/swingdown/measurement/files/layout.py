@@ -70,7 +70,7 @@ def dialect(lines: Sequence[str], name: str, single: bool = False) -> Dialect | 
 def _dialect(lines: Sequence[str], name: str, single: bool) -> Dialect | None:
     arrivals = sum(bool(ARRIVAL.match(line)) for line in lines) > len(lines) / 2
     bare = [ARRIVAL.sub("", line) for line in lines] if arrivals else lines
-    alone = _alone(bare)
+    alone = [k for k, line in enumerate(bare) if NUMBER[EITHER].fullmatch(line.strip())]
     found = [_rows(bare, *one) for one in DIALECTS]
     rows, separator, decimal = max(found, key=lambda one: len(one[0]))
     text = "\n".join(bare)  # one search for each mark: most files are without groups
@@ -137,12 +137,6 @@ def _grouped(
     return best
 
 
-def _alone(lines: Sequence[str]) -> list[int]:
-    """The lines that hold one number and nothing else."""
-    number = NUMBER[EITHER]
-    return [k for k, line in enumerate(lines) if number.fullmatch(line.strip())]
-
-
 def _rows(
     lines: Sequence[str], separator: str, decimal: str, every: bool = True, thousands: str = ""
 ) -> tuple[list[int], str, str]:
@@ -173,24 +167,19 @@ def layout(above: Sequence[str], sample: Sequence[str], how: Dialect, encoding: 
     rows = [how.cells(line) for line in sample]
     size = how.size
     if size > MOST_COLUMNS:
-        raise InputError(
-            place, f"it has {size} columns", f"at most {MOST_COLUMNS}", "export those of time and swing alone"
-        )
+        problem = f"it has {size} columns"
+        raise InputError(place, problem, f"at most {MOST_COLUMNS}", "export those of time and swing alone")
     stamps = tuple(
         k for k in range(size) if 2 * sum(":" in row[k] for row in rows if k < len(row)) > len(rows)
     )
-    lines = [
-        [
-            _header_cells(line, how)
-            for line in above
-            if bool(COMMENT.match(line)) == comments and not STATES_RATE.search(line)
-        ]
-        for comments in (False, True)
-    ]
-    lines = [[cells for cells in one if "=" not in cells] for one in lines]  # a setting and its value
-    names, titles = _named(lines[0], how, rows, place)
+    plain, comments = list[list[str]](), list[list[str]]()
+    for line in above:
+        cells = [] if STATES_RATE.search(line) else _header_cells(line, how)
+        if cells and "=" not in cells:  # a setting and its value
+            (comments if COMMENT.match(line) else plain).append(cells)
+    names, titles = _named(plain, how, rows, place)
     if not names:
-        fitting = [cells for cells in lines[1] if len(cells) <= size]  # what else a comment says is no header
+        fitting = [cells for cells in comments if len(cells) <= size]  # what else a comment says is no header
         names, titles = _named(fitting, how, rows, place)
     named = bool(names)
     if how.arrivals:
@@ -223,9 +212,8 @@ def _header_cells(line: str, how: Dialect) -> list[str]:
     cells = _before_a_row(cells, how) or cells
     while len(cells) > how.size and how.is_number(cells[-1].rpartition("=")[2].strip()):
         cells = cells[:-1]  # what is said once beside the names, as the start and the step of a clock
-    if len(cells) == how.size or (
-        len(whole) == how.size and sum(map(tells, cells)) > 1
-    ):  # a separator ends the line
+    ended = len(whole) == how.size and sum(map(tells, cells)) > 1  # by a separator
+    if len(cells) == how.size or ended:
         return cells
     for separator in dict.fromkeys((how.separator, ",", ";", "\t", SPACES, ".")):
         # one quoted cell over all columns; spaces above rows with tabs; a decimal comma set by machine: `t.a.b` above `0,1`
@@ -286,9 +274,8 @@ def _named(
 def _with_those_above(names: list[str], above: Sequence[str]) -> list[str]:
     """The names, a column without one by what stands above it, where that says what such columns hold."""
     bare = [k for k, name in enumerate(names) if not name and k < len(above) and above[k]]
-    if sum(map(bool, above)) < 2 or not any(
-        tells(above[k]) for k in bare
-    ):  # one cell alone is a title or a setting
+    told = any(tells(above[k]) for k in bare)
+    if sum(map(bool, above)) < 2 or not told:  # one cell alone is a title or a setting
         return names
     return [above[k] if k in bare else name for k, name in enumerate(names)]
 
@@ -361,11 +348,8 @@ def _are_units(cells: list[str], above: list[str], size: int) -> bool:
     bare = [cell.strip("()[] ").lower() for cell in cells]
     known = [UNITS[cell][0] for cell in bare if cell in UNITS]
     told = any(kind in (TIME, ANGLE, LENGTH, VOLTAGE, RATE) for kind in known)
-    return (
-        told
-        and len(cells) <= size == len(above)
-        and all(cell in UNITS or cell in ("", "-", "1") for cell in bare)
-    )
+    all_ = all(cell in UNITS or cell in ("", "-", "1") for cell in bare)
+    return told and all_ and len(cells) <= size == len(above)
 
 
 def _is_boxed(cell: str) -> bool:
@@ -387,12 +371,9 @@ def _with_units(names: list[str], units: list[str], place: str) -> list[str]:
         elif UNITS.get(own.written.lower()) == UNITS[unit.lower()]:
             told.append(name)
         else:
-            raise InputError(
-                f"{place}, column {name}",
-                f"its name says {own.written!r} and the line below says {unit!r}",
-                "one unit",
-                "correct one of them in the file",
-            )
+            problem = f"its name says {own.written!r} and the line below says {unit!r}"
+            expected = "one unit"
+            raise InputError(f"{place}, column {name}", problem, expected, "correct one of them in the file")
     return told
 
 

@@ -3,14 +3,13 @@
 import csv
 import io
 import zipfile
-import zlib
 from collections.abc import Iterator, Mapping
 from typing import Any, BinaryIO
 
 import numpy as np
 
 from ...errors import InputError
-from .elements import number
+from .elements import DAMAGED, number
 from .workbook import cells, sheet
 
 DEVICE, EVENTS = ("meta/device.csv", "Metadata Device"), ("meta/time.csv", "Metadata Time")
@@ -25,8 +24,12 @@ def told(source: BinaryIO) -> tuple[dict[str, str], tuple[str, ...]]:
     """
     source.seek(0)
     try:
-        tables = _in_archive(source) or _in_workbook(source)
-    except (InputError, OSError, ValueError, LookupError, csv.Error, zipfile.BadZipFile, zlib.error, RuntimeError, EOFError):  # fmt: skip
+        tables = _in_archive(source)
+        if not tables:
+            names, _ = sheet(source, "", DEVICE[1])
+            asked = (("device", DEVICE[1]), ("events", EVENTS[1]))
+            tables = {key: cells(source, "", name) for key, name in asked if name in names}
+    except (InputError, OSError, ValueError, LookupError, csv.Error, *DAMAGED):
         return {}, ()
     finally:
         source.seek(0)
@@ -56,9 +59,3 @@ def _rows(text: str) -> Iterator[list[str]]:
     """The cells of a small table, separated by what stands behind its first, quoted cell."""
     separator = next((one for one in text.partition("\n")[0] if one in ",;\t"), ",")
     return csv.reader(io.StringIO(text), delimiter=separator)
-
-
-def _in_workbook(source: BinaryIO) -> Mapping[str, list[list[Any]]]:
-    names, _ = sheet(source, "", DEVICE[1])
-    asked = {key: name for key, (_, name) in (("device", DEVICE), ("events", EVENTS)) if name in names}
-    return {key: cells(source, "", name) for key, name in asked.items()}

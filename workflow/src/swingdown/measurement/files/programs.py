@@ -46,11 +46,8 @@ def saved_by_program(source: BinaryIO, name: str) -> dict[str, Columns]:
     ending = PurePath(name).suffix.lower()
     if ending in CLOSED:
         program, way = CLOSED[ending]
-        raise InputError(
-            name,
-            f"only {program} reads what it saves as {ending}",
-            "a table of numbers, such as a CSV file",
-            f"export the table there: {way}",
-        )
+        problem = f"only {program} reads what it saves as {ending}"
+        expected = "a table of numbers, such as a CSV file"
+        raise InputError(name, problem, expected, f"export the table there: {way}")
     found = READERS[ending](source, name) if ending in READERS else {}
     return dict(zip([""], found.values(), strict=True)) if len(found) == 1 else found

@@ -35,9 +35,7 @@ class Block:
     sample: list[str] = field(default_factory=list)
     between: list[int] = field(default_factory=list)
     below: list[int] = field(default_factory=list)
-    surplus: list[int] = field(
-        default_factory=list
-    )  # of ``between``, rows with more cells than there are columns
+    surplus: list[int] = field(default_factory=list)  # of ``between``, rows with too many cells
     small: list[int] = field(default_factory=list)  # rows of numbers above, too few for a table
     tail: str = ""  # the last row
 
@@ -82,9 +80,8 @@ class _Finder:
         """Goes on with the lines of a piece."""
         if self._as_a_whole(first, piece):
             return
-        if not self.blocks and (
-            end := _after(piece, HEADED)
-        ):  # where a table begins, what follows may be plain
+        # where a table begins, what follows may be plain
+        if not self.blocks and (end := _after(piece, HEADED)):
             self._by_the_line(first, piece[:end])
             first, piece = first + HEADED, piece[end:]
             if self.blocks and len(self.blocks[-1].sample) == KEPT and self._as_a_whole(first, piece):
@@ -110,9 +107,7 @@ class _Finder:
         if (b"\n" + piece).find(b"\n" + self.how.separator.encode()) >= 0:  # perhaps a row of empty cells
             return False
         bare, separator = piece, self.how.separator
-        if (
-            b'"' in piece and separator != SPACES
-        ):  # each cell is quoted, or the lines are looked at one by one
+        if b'"' in piece and separator != SPACES:  # each cell is quoted, or the lines are looked at singly
             bare, separator = piece.replace(f'"{separator}"'.encode(), b"\t").replace(b'"', b""), "\t"
         if bare.translate(None, self.plain + b"\t") or (_counts(bare, separator) != block.size).any():
             return False
@@ -129,10 +124,8 @@ class _Finder:
         if not self._is_row(line, cells, block):
             self._no_row(number, line, block)
             return
-        glitch = block is not None and block.surplus[-1:] == [number - 1]
-        if block is None or (
-            (self.gap or self.empty) and not glitch and not self._goes_on(line, cells, block)
-        ):
+        parted = bool(self.gap or self.empty) and not (block and block.surplus[-1:] == [number - 1])
+        if block is None or (parted and not self._goes_on(line, cells, block)):
             block = self._begin(len(cells))
         elif len(cells) > block.size:
             self._surplus(number, line, block)
@@ -149,7 +142,8 @@ class _Finder:
             return len(cells) > 1 or self.how.size == 1 or (block is not None and not self.gap)
         if len(cells) != (block.size if block else self.how.size):
             return False
-        if block is None and self.how.led and not self.how.words and not self._leads(bare[0]):
+        leads = self.how.is_number(bare[0]) or bare[0].lower() in MISSING
+        if block is None and self.how.led and not self.how.words and not leads:
             return False  # a setting and its value, above the table
         # a header may hold numbers, as of releases from 30 and 40 degrees
         header = not self.how.is_number(cells[0]) and meaning(cells[0]).kind == TIME
@@ -158,12 +152,8 @@ class _Finder:
     def _no_row(self, number: int, line: str, block: Block | None) -> None:
         self.odd += 1
         if self.odd > MOST_ODD:
-            raise InputError(
-                self.name,
-                f"{MOST_ODD} of its lines are not rows of numbers",
-                "a table of numbers as text",
-                "export it again",
-            )
+            problem = f"{MOST_ODD} of its lines are not rows of numbers"
+            raise InputError(self.name, problem, "a table of numbers as text", "export it again")
         self.gap.append((number, line))
         if block is None:
             self.opening.append(line)
@@ -178,10 +168,6 @@ class _Finder:
         if again and again[-1] not in [self.how.cells(text) for text in block.above]:
             return False
         return self.how.size == 1 or not self._clock(line, block) < self._clock(block.tail, block)
-
-    def _leads(self, cell: str) -> bool:
-        """True for a number, or a word for none."""
-        return self.how.is_number(cell) or cell.lower() in MISSING
 
     def _names(self, cells: Sequence[str]) -> bool:
         """True for words in all cells, each another one; words between spaces, or in one cell, are a sentence."""
@@ -279,14 +265,8 @@ def _counts(piece: bytes, separator: str) -> NDArray[np.integer]:
 
 def layout_of(block: Block, how: Dialect, encoding: str, name: str) -> Layout:
     """The Layout of a table."""
-    first = block.parts[0][0]
-    return layout(
-        block.above,
-        block.sample,
-        replace(how, size=block.size),
-        encoding,
-        f"{name}, line {max(first - 1, 1)}",
-    )
+    place = f"{name}, line {max(block.parts[0][0] - 1, 1)}"
+    return layout(block.above, block.sample, replace(how, size=block.size), encoding, place)
 
 
 def left_out(block: Block) -> tuple[str, ...]:
@@ -370,16 +350,11 @@ def _parsed(piece: bytes, how: Layout, name: str, lines: NDArray[np.integer]) ->
             encoding_errors="replace",
         )
     except pd.errors.ParserError as error:
-        raise InputError(
-            name, f"it is not a table ({error})", "CSV with a header", "correct the file"
-        ) from error
+        problem = f"it is not a table ({error})"
+        raise InputError(name, problem, "CSV with a header", "correct the file") from error
     if len(part) != len(lines):
-        raise InputError(
-            f"{name}, line {lines[0]}",
-            "a quote is opened there or below and never closed",
-            "cells with both their quotes",
-            "mend the row",
-        )
+        problem = "a quote is opened there or below and never closed"
+        raise InputError(f"{name}, line {lines[0]}", problem, "cells with both their quotes", "mend the row")
     part.index = pd.Index(lines)
     if (extra := part[BEYOND].notna()).any():
         raise too_long(name, int(lines[int(np.argmax(extra))]), len(how.names))
@@ -407,9 +382,6 @@ def _places(cell: str) -> int:
 
 def too_long(name: str, line: int, columns: int) -> InputError:
     """The refusal of rows with more cells than the table has columns."""
-    return InputError(
-        f"{name}, line {line}",
-        f"it is not a table: the row has more cells than the {columns} columns of the table",
-        "as many cells in each row",
-        "mend the row; numbers with a decimal comma or thousands between commas need quotes or another separator",
-    )
+    problem = f"it is not a table: the row has more cells than the {columns} columns of the table"
+    mend = "mend the row; numbers with a decimal comma or thousands between commas need quotes or another separator"
+    return InputError(f"{name}, line {line}", problem, "as many cells in each row", mend)

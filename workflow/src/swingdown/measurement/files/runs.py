@@ -1,14 +1,14 @@
 """Several recordings in one file: which of its columns belong to which run, and the rows of each without the blanks beside longer runs."""
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Iterable, Iterator, Sequence
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 
 from ...errors import InputError
-from ..sheet import rows_of_parts
+from ..sheet import Row, rows_of_parts
 from .columns import TIME, UNNAMED, meaning
 from .table import MISSING
 
@@ -84,10 +84,8 @@ def _pairs_again(names: Sequence[str], titles: Sequence[str]) -> list[str]:
 def _called(titles: Sequence[str], starts: Sequence[int], size: int) -> list[str]:
     """The names of runs that begin at these columns: what stands above them, else their numbers."""
     ends = [*starts, size][1:]
-    above = [
-        next((cell for cell in titles[start:end] if cell), "")
-        for start, end in zip(starts, ends, strict=True)
-    ]
+    pieces = (titles[start:end] for start, end in zip(starts, ends, strict=True))
+    above = [next(filter(None, cells), "") for cells in pieces]
     if all(above) and len(set(above)) == len(above):
         return above
     return [f"run {k}" for k in range(1, len(starts) + 1)]
@@ -167,25 +165,19 @@ def by_name(found: Iterable[str], asked: str, place: str) -> str:
     for name in names:
         if name.casefold() == asked.casefold():
             return name
-    raise InputError(
-        f"{place} (column run)",
-        f"there is no run {asked!r} in it",
-        ", ".join(names) or "one recording, and no runs",
-        "correct ⟨run⟩, or leave it empty",
-    )
+    problem = f"there is no run {asked!r} in it"
+    expected = ", ".join(names) or "one recording, and no runs"
+    raise InputError(f"{place} (column run)", problem, expected, "correct ⟨run⟩, or leave it empty")
 
 
 def several_runs(
-    names: tuple[str, ...], row: Mapping[str, Any], place: str, why: str = "the file holds {} runs"
+    names: tuple[str, ...], row: Row, place: str, why: str = "the file holds {} runs"
 ) -> SeveralRuns:
     """The refusal of a file with several runs, ``why`` with their number. Its mend holds the rows of the sheet that make each of them a recording."""
     rows = rows_of_parts(row, [{"run": name} for name in names])
-    refusal = SeveralRuns(
-        f"{place} (column run)",
-        f"{why.format(len(names))}: {', '.join(names)}",
-        "one recording",
-        f"put these rows in place of this one:\n{rows}",
-    )
+    problem = f"{why.format(len(names))}: {', '.join(names)}"
+    mend = f"put these rows in place of this one:\n{rows}"
+    refusal = SeveralRuns(f"{place} (column run)", problem, "one recording", mend)
     refusal.names = names
     return refusal
 

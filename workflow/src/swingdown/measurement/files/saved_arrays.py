@@ -25,28 +25,24 @@ def saved_arrays(source: BinaryIO, name: str) -> dict[str, Columns]:
     """
     ending = PurePath(name).suffix.lower()
     if source.seek(0, io.SEEK_END) > LARGEST:
-        raise InputError(
-            name, f"it has more than {LARGEST / 1e6:.0f} MB", "a file that can be held whole", _MEND
-        )
+        problem = f"it has more than {LARGEST / 1e6:.0f} MB"
+        raise InputError(name, problem, "a file that can be held whole", _MEND)
     source.seek(0)
     try:
         found = _of_json(json.load(source)) if ending == ".json" else _of_numpy(np.load(source))
     except MemoryError:
         raise
-    except json.JSONDecodeError as error:
-        if error.msg == "Extra data":  # a document a line: the readers of text take it
-            source.seek(0)
-            return {}
-        raise InputError(name, f"it cannot be read ({error})", "arrays of numbers", _MEND) from error
     except Exception as error:  # a damaged file makes the readers fail in ways that nobody listed
+        if isinstance(error, json.JSONDecodeError) and error.msg == "Extra data":
+            source.seek(0)  # a document a line: the readers of text take it
+            return {}
         raise InputError(name, f"it cannot be read ({error})", "arrays of numbers", _MEND) from error
     sizes = [one.size for one in found.values()]
     length = max(sizes, key=sizes.count, default=0)
     kept = {key: one for key, one in found.items() if one.size == length}
-    if len(kept) < 1 or length < FEWEST:
+    if length < FEWEST:
         raise no_arrays(name, _MEND)
-    kind = "JSON" if ending == ".json" else "numpy"
-    return {"": Columns.of_arrays(kept, kind)}
+    return {"": Columns.of_arrays(kept, "JSON" if ending == ".json" else "numpy")}
 
 
 def _of_numpy(saved: Any) -> dict[str, Floats]:
@@ -66,11 +62,11 @@ def _of_json(saved: Any) -> dict[str, Floats]:
         if isinstance(value, list) and value and isinstance(value[0], Mapping):
             found |= _of_json(value)
         elif isinstance(value, list) and value and not isinstance(value[0], str):
-            found |= (
-                _columns(str(key), _numbers(value))
-                if not isinstance(value[0], list)
-                else _of_json({f"{key} {k}": list(one) for k, one in enumerate(zip(*value, strict=True), 1)})
-            )
+            if isinstance(value[0], list):
+                across = enumerate(zip(*value, strict=True), 1)
+                found |= _of_json({f"{key} {k}": list(one) for k, one in across})
+            else:
+                found |= _columns(str(key), _numbers(value))
         elif isinstance(value, Mapping):
             found |= _of_json(value)
     return found

@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -11,6 +10,7 @@ from numpy.typing import NDArray
 from ...arrays import Floats
 from ..choice import LOOKED_AT, SHORTEST
 from ..plausibility import ENOUGH, in_a_row
+from ..sheet import Row
 from .columns import TIME
 from .runs import by_name, clock_part, several_runs
 from .table import Table, first_rows
@@ -22,7 +22,7 @@ _MOST, _LOOK = 16, 200  # sensors that take turns, and rows in which no more are
 _TURNS = 0.9  # of the rows: so often the next one is another sensor's, whatever the column is called
 
 
-def of_one_sensor(table: Table, row: Mapping[str, Any]) -> Table:
+def of_one_sensor(table: Table, row: Row) -> Table:
     """The table of one sensor, without the column that numbers or names them; as it is where none does.
 
     Of several sensors it is the one that the sheet's cell ``run`` names, or else the only one that swings: SeveralRuns where more or none

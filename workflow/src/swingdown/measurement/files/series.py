@@ -1,7 +1,6 @@
 """The numbers of a recording's columns within its window, read piece by piece; a row with a cell that is none is a missing sample."""
 
-from collections.abc import Iterable, Iterator, Mapping
-from typing import Any
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 import pandas as pd
@@ -9,7 +8,7 @@ from numpy.typing import NDArray
 
 from ...arrays import Bools, Floats
 from ...errors import InputError
-from ..sheet import TIME_UNITS
+from ..sheet import TIME_UNITS, Row
 from .columns import place_of
 from .source import Table
 from .table import MISSING
@@ -20,12 +19,7 @@ MOST = 18_000_000  # samples that are held at once: with all that is asked of th
 
 
 def series(
-    table: Table,
-    row: Mapping[str, Any],
-    time_column: str,
-    columns: list[str],
-    time_unit: str,
-    beside: Iterable[str] = (),
+    table: Table, row: Row, time_column: str, columns: list[str], time_unit: str, beside: Iterable[str] = ()
 ) -> tuple[Floats, list[Floats], list[str]]:
     """Times (s) within the window, the columns there, and remarks on rows without a number in one of them: missing samples.
 
@@ -47,12 +41,8 @@ def series(
         for kept, part in zip(parts, (times[inside], *values), strict=True):
             kept.append(part if whole.all() else part[whole])
         if (held := held + int(whole.sum())) > MOST:
-            raise InputError(
-                row["file"],
-                f"more than {MOST} samples",
-                f"at most {MOST} in the window",
-                "choose a part of it with ⟨start_s⟩ and ⟨stop_s⟩",
-            )
+            mend = "choose a part of it with ⟨start_s⟩ and ⟨stop_s⟩"
+            raise InputError(row["file"], f"more than {MOST} samples", f"at most {MOST} in the window", mend)
     told = [remark for key, one in spoilt.items() for remark in one.told(row["file"], key)]
     joined = []
     for pieces_of_one in parts:

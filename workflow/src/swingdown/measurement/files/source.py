@@ -7,7 +7,7 @@ import subprocess
 import sys
 import tempfile
 import urllib.request
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any, BinaryIO
 
@@ -19,6 +19,7 @@ from ...errors import InputError
 from ...extras import needed
 from ...paths import find, is_url
 from ..refused import OTHER_BYTES
+from ..sheet import Row
 from . import phyphox
 from .archive import unpacked
 from .columns import TIME, meaning
@@ -37,12 +38,12 @@ BESIDE_A_SIGNAL = ("sent", "sequence", "arrival")  # what a capture keeps of its
 NETCDF = (".nc", ".nc4", ".cdf", ".netcdf", ".h5", ".hdf5")
 
 
-def runs(source: BinaryIO, row: Mapping[str, Any]) -> list[str]:
+def runs(source: BinaryIO, row: Row) -> list[str]:
     """The names of the runs in an open file, in its order; none where it holds one recording. Errors are as of ``table_of``."""
     return [name for name in tables(source, row) if name]
 
 
-def table_of(source: BinaryIO, row: Mapping[str, Any]) -> Table:
+def table_of(source: BinaryIO, row: Row) -> Table:
     """The table of an open file, or of one of its runs.
 
     Parameters
@@ -75,7 +76,7 @@ def table_of(source: BinaryIO, row: Mapping[str, Any]) -> Table:
     raise several_runs(tuple(able or named), row, row["file"])
 
 
-def tables(source: BinaryIO, row: Mapping[str, Any]) -> dict[str, Table]:
+def tables(source: BinaryIO, row: Row) -> dict[str, Table]:
     """The tables of an open file by the names of its runs, and by "" that of the whole file; errors as of ``table_of``."""
     name = row["file"]
     if name.lower().endswith(NETCDF):
@@ -99,12 +100,9 @@ def tables(source: BinaryIO, row: Mapping[str, Any]) -> dict[str, Table]:
             for run, table in delimited(text, f"{name}, {where}", rate).items()
         }
     if row.get("sheet"):
-        raise InputError(
-            f"{name} (column sheet)",
-            f"the file has no sheets, and the sample sheet asks for {row['sheet']!r}",
-            "a workbook or a zip archive",
-            "leave the cell `sheet` empty",
-        )
+        problem = f"the file has no sheets, and the sample sheet asks for {row['sheet']!r}"
+        expected = "a workbook or a zip archive"
+        raise InputError(f"{name} (column sheet)", problem, expected, "leave the cell `sheet` empty")
     return delimited(source, name, rate)
 
 
@@ -135,30 +133,21 @@ def opened(name: str, place: str) -> Iterator[BinaryIO]:
         source = _copied(name) if is_url(name) else _local(name)
     except OSError as error:
         reason = getattr(error, "strerror", None) or getattr(error, "reason", None) or error
-        raise InputError(
-            f"{place}, column file",
-            f"{name} cannot be read ({reason})",
-            "a path relative to the working directory, an absolute path or a URL",
-            "correct the path",
-        ) from error
+        problem = f"{name} cannot be read ({reason})"
+        expected = "a path relative to the working directory, an absolute path or a URL"
+        raise InputError(f"{place}, column file", problem, expected, "correct the path") from error
     with source:
         if (size := source.seek(0, io.SEEK_END)) > MOST_BYTES:
-            raise InputError(
-                name,
-                f"it has {size / 1e9:.0f} GB",
-                f"a recording, of at most {MOST_BYTES / 1e9:.0f} GB",
-                "write the part with the swing to a file of its own",
-            )
+            problem = f"it has {size / 1e9:.0f} GB"
+            expected = f"a recording, of at most {MOST_BYTES / 1e9:.0f} GB"
+            raise InputError(name, problem, expected, "write the part with the swing to a file of its own")
         source.seek(0)
         try:
             yield source
         except OSError as error:
-            raise InputError(
-                name,
-                f"it cannot be read to its end ({error.strerror or error})",
-                "a file that can be read whole",
-                "copy it again: the disk, the card or the connection that it is on may fail",
-            ) from error
+            problem = f"it cannot be read to its end ({error.strerror or error})"
+            mend = "copy it again: the disk, the card or the connection that it is on may fail"
+            raise InputError(name, problem, "a file that can be read whole", mend) from error
 
 
 def _local(name: str) -> BinaryIO:
@@ -199,17 +188,13 @@ def check_sha256(source: BinaryIO, expected: str, name: str, place: str) -> str:
     digest = state.hexdigest()
     source.seek(0)
     if expected and digest != expected.lower():
-        raise InputError(
-            f"{name} ({place}, column sha256)",
-            f"the checksum does not match: the file has {digest}",
-            expected,
-            "fetch the file anew, or correct the sheet if the file was changed on purpose",
-            OTHER_BYTES,
-        )
+        problem = f"the checksum does not match: the file has {digest}"
+        mend = "fetch the file anew, or correct the sheet if the file was changed on purpose"
+        raise InputError(f"{name} ({place}, column sha256)", problem, expected, mend, OTHER_BYTES)
     return digest
 
 
-def _netcdf(source: BinaryIO, row: Mapping[str, Any]) -> Table:
+def _netcdf(source: BinaryIO, row: Row) -> Table:
     name, time_column = row["file"], row.get("time_column", "")
     library = needed("netCDF4")
     _check_opens(source, name)
@@ -230,11 +215,9 @@ def _netcdf(source: BinaryIO, row: Mapping[str, Any]) -> Table:
         )  # fmt: skip
     # the columns are those along the time, or along the longest dimension where the sheet names no time
     sizes = {value.dims[0]: value.size for value in series.values()}
-    along = (
-        series[time_column].dims[0]
-        if time_column in series
-        else max(sizes, key=lambda name: sizes[name], default="")
-    )
+    along = max(sizes, key=lambda name: sizes[name], default="")
+    if time_column in series:
+        along = series[time_column].dims[0]
     series = {key: value for key, value in series.items() if value.dims[0] == along}
     if data.attrs.get("captured") == "yes":
         named = (time_column, row.get("signal_column", ""))
@@ -287,17 +270,13 @@ def _check_opens(source: BinaryIO, name: str) -> None:
         )
         what = f"the netCDF library crashes at it, signal {-done.returncode}" if done.returncode < 0 else ""
         if done.returncode == 3:
-            raise InputError(
-                name,
-                f"its variables take {int(done.stdout) / 1e6:.0f} MB",
-                f"at most {LARGEST / 1e6:.0f} MB: a netCDF file is held whole",
-                "write the recording to a file of its own",
-            )
+            problem = f"its variables take {int(done.stdout) / 1e6:.0f} MB"
+            expected = f"at most {LARGEST / 1e6:.0f} MB: a netCDF file is held whole"
+            raise InputError(name, problem, expected, "write the recording to a file of its own")
     except subprocess.TimeoutExpired:
         what = f"the netCDF library has not read it within {_SECONDS} s"
     finally:
         source.seek(0)
     if what:
-        raise InputError(
-            name, f"it cannot be read ({what})", "an undamaged netCDF file", "copy or convert it again"
-        )
+        problem = f"it cannot be read ({what})"
+        raise InputError(name, problem, "an undamaged netCDF file", "copy or convert it again")

@@ -65,11 +65,8 @@ def first_rows(table: Table, most: int) -> tuple[Table, list[pd.DataFrame]]:
 def apart(table: Table) -> Table:
     """The table with two columns, `… x` and `… y`, for each whose cells hold a pair of numbers, as ``(1392, 685)``."""
     table, held = first_rows(table, 0)
-    pairs = [
-        key
-        for key in table.names
-        if held and _pairs(held[-1][key].head(SEEN)).notna().all(axis=1).mean() > HALF
-    ]
+    seen = held[-1].head(SEEN) if held else pd.DataFrame()
+    pairs = [key for key in table.names if held and _pairs(seen[key]).notna().all(axis=1).mean() > HALF]
     if not pairs:
         return table
     names = tuple(own for key in table.names for own in ([f"{key} x", f"{key} y"] if key in pairs else [key]))

@@ -103,12 +103,8 @@ def pieces_of(source: BinaryIO, encoding: str, name: str) -> Iterator[tuple[int,
             line += text.count(b"\n", 0, cut)
         rest = text[cut:] + half
         if len(rest) > LONGEST:
-            raise InputError(
-                f"{name}, line {line}",
-                f"the line is longer than {LONGEST} bytes: it is not a table",
-                "a table of numbers as text",
-                "export it again",
-            )
+            problem = f"the line is longer than {LONGEST} bytes: it is not a table"
+            raise InputError(f"{name}, line {line}", problem, "a table of numbers as text", "export it again")
 
 
 def charset(encoding: str) -> str:

@@ -32,12 +32,9 @@ def tracks(source: BinaryIO, name: str) -> dict[str, Columns]:
             names = distinct([*found, *part], [""] * (len(found) + len(part)))
             found = dict(zip(names, [*found.values(), *part.values()], strict=True))
     if not found:
-        raise InputError(
-            name,
-            "it holds no point mass that was marked within the clip",
-            "the track of the bob",
-            "track the bob as a point mass in Tracker and save the project",
-        )
+        problem = "it holds no point mass that was marked within the clip"
+        mend = "track the bob as a point mass in Tracker and save the project"
+        raise InputError(name, problem, "the track of the bob", mend)
     return found
 
 
@@ -45,18 +42,19 @@ class _Saved:
     """An object as Tracker writes it: its properties by their names."""
 
     def __init__(self, element: Element | None) -> None:
-        self.element = element
         inside = [] if element is None else element.findall("property")
         self.all = {one.get("name", ""): one for one in inside}
 
+    def at(self, key: str) -> Element:
+        """A property; an empty one where it is not there."""
+        return self.all.get(key, Element("property"))
+
     def inside(self, key: str) -> "_Saved":
         """The object that a property is; one without properties where it is none."""
-        value = self.all.get(key)
-        return _Saved(None if value is None else value.find("object"))
+        return _Saved(self.at(key).find("object"))
 
     def text(self, key: str) -> str:
-        value = self.all.get(key)
-        return "" if value is None else (value.text or "").strip()
+        return (self.at(key).text or "").strip()
 
     def number(self, key: str, default: float) -> float:
         found = number(self.text(key))
@@ -64,25 +62,21 @@ class _Saved:
 
     def numbers(self, key: str) -> Floats:
         """An array of numbers, as it stands in one line between braces."""
-        value = self.all.get(key)
-        text = "" if value is None else (value.findtext("property") or "")
+        text = self.at(key).findtext("property") or ""
         return np.array([number(one) for one in text.strip().strip("{}").split(",") if one.strip()])
 
     def frames(self, key: str) -> "dict[int, _Saved]":
         """The objects of an array by their positions in it; those that are not there are left out."""
-        value = self.all.get(key)
-        items = [] if value is None else value.findall("property")
         return {
             int(one.get("name", "").strip("[]")): _Saved(inside)
-            for one in items
+            for one in self.at(key).findall("property")
             if (inside := one.find("object")) is not None
         }
 
 
 def _masses(panel: _Saved, name: str) -> Iterator[tuple[str, Columns]]:
     clip, clock = panel.inside("videoclip"), panel.inside("clipcontrol")
-    tracked = panel.all.get("tracks")
-    objects = [] if tracked is None else [one for item in tracked.findall("property") if (one := item.find("object")) is not None]  # fmt: skip
+    objects = panel.at("tracks").findall("property/object")
     masses = [_Saved(one) for one in objects if one.get("class", "").endswith(".PointMass")]
     called = distinct([one.text("name") or "point mass" for one in masses], [""] * len(masses))
     for mass, title in zip(masses, called, strict=True):
@@ -128,8 +122,9 @@ def _along_axes(frames: np.ndarray, pixels: Floats, panel: _Saved) -> tuple[Floa
 
     A frame without axes of its own has those of the last one before it that has.
     """
-    coords = panel.all.get("coords")
-    systems = [] if coords is None else [one for one in coords.iter("object") if one.get("class", "").endswith("CoordSystem")]  # fmt: skip
+    systems = [
+        one for one in panel.at("coords").iter("object") if one.get("class", "").endswith("CoordSystem")
+    ]
     saved = _Saved(systems[0] if systems else None).frames("framedata")
     keys = sorted(saved) or [0]
     rows = [

@@ -17,19 +17,12 @@ def data_sets(source: BinaryIO, name: str) -> dict[str, Columns]:
         for one in root.iter("DataSet"):
             columns = [(column, cells) for column in one.findall("DataColumn") if (cells := _cells(column))]
             if len(columns) > 1:
-                found.append(
-                    (
-                        text_in(one, "DataSetName"),
-                        of_elements(columns, _TAGS, "columns of Logger Pro", {"source": PROGRAM}),
-                    )
-                )
+                made = of_elements(columns, _TAGS, "columns of Logger Pro", {"source": PROGRAM})
+                found.append((text_in(one, "DataSetName"), made))
     if not found:
-        raise InputError(
-            name,
-            "it holds no data set with two columns of numbers",
-            "a column of time and one of the signal",
-            f"collect the data in {PROGRAM}, or export them {WAY}",
-        )
+        problem = "it holds no data set with two columns of numbers"
+        expected = "a column of time and one of the signal"
+        raise InputError(name, problem, expected, f"collect the data in {PROGRAM}, or export them {WAY}")
     names = distinct([key or "data set" for key, _ in found], [""] * len(found))
     return {key: columns for key, (_, columns) in zip(names, found, strict=True)}
 

@@ -12,10 +12,8 @@ from .columns import UNITS
 from .text import HEAD, charset, pieces_of
 
 FEWEST, SHARE = 10, 0.8  # lines of one wording, and of those that hold a number: what makes them a table
-_LINES, _LATER = (
-    8,
-    0.8,
-)  # lines of a record at most, and how often the rarest of them is there, of the commonest
+_LINES = 8  # of a record at most
+_LATER = 0.8  # times as often as the commonest of them the rarest is there
 _NUMBER = re.compile(
     rf"(?<![\w.^])(?:{STAMP.pattern.removeprefix('(?i)')}|[-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)(?![\d.:])",
     re.I,

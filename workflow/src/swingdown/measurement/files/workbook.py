@@ -55,12 +55,8 @@ def sheet(source: BinaryIO, name: str, wanted: str = "") -> tuple[list[str], byt
     if done.returncode < 0 or done.returncode == _NO_ROOM:
         raise _too_large(name, "its sheet asks for more memory than a table of numbers does")
     if done.returncode:
-        raise InputError(
-            name,
-            f"it cannot be read as a workbook ({said[-1] if said else 'no reason is given'})",
-            "a sheet of Excel or OpenDocument",
-            "save it as CSV",
-        )
+        problem = f"it cannot be read as a workbook ({said[-1] if said else 'no reason is given'})"
+        raise InputError(name, problem, "a sheet of Excel or OpenDocument", "save it as CSV")
     first, _, rows = done.stdout.partition(b"\n")
     return json.loads(first), rows
 
@@ -72,9 +68,5 @@ def cells(source: BinaryIO, name: str, wanted: str) -> list[list[str]]:
 
 
 def _too_large(name: str, why: str) -> InputError:
-    return InputError(
-        name,
-        f"it is too large to be read ({why})",
-        "a sheet of the recording alone",
-        "delete what stands far below or beside the table, or save the sheet as CSV",
-    )
+    mend = "delete what stands far below or beside the table, or save the sheet as CSV"
+    return InputError(name, f"it is too large to be read ({why})", "a sheet of the recording alone", mend)

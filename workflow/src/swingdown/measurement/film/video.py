@@ -191,9 +191,8 @@ def _frames(
     finally:
         reader.release()
     if not count:
-        raise InputError(
-            name, "no frame of it can be read", FILM, "copy it anew from the camera, or save it as MP4"
-        )
+        problem = "no frame of it can be read"
+        raise InputError(name, problem, FILM, "copy it anew from the camera, or save it as MP4")
 
 
 def _stated(cv2: Any, path: str) -> tuple[int, float]:
@@ -238,10 +237,8 @@ def _samples(cv2: Any, path: str, name: str) -> tuple[Pictures, list[list[Pictur
 def _chosen(cv2: Any, path: str, name: str, total: int) -> tuple[list[int], dict[int, Pictures]]:
     """The numbers of the frames that are looked at, of so many, and those that can be read, with their followers, smaller; the first as it is."""
     chosen = [int((k + 0.5) / (WINDOWS * OF_EACH) * total) for k in range(WINDOWS * OF_EACH)]
-    wanted = frozenset([0, *chosen, *(k + 1 for k in chosen)])
-    return chosen, {
-        k: _smaller(cv2, frame) if k else frame for k, _, frame in _frames(cv2, path, name, wanted)
-    }
+    frames = _frames(cv2, path, name, frozenset([0, *chosen, *(k + 1 for k in chosen)]))
+    return chosen, {k: _smaller(cv2, frame) if k else frame for k, _, frame in frames}
 
 
 def _on_circle(xy: Floats, size: float, name: str) -> Bools:

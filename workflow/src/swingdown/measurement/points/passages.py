@@ -15,14 +15,13 @@ import xarray as xr
 from ...arrays import Floats, longest
 from ...errors import InputError
 from ...pendulum.half_swings import half_swings
-from ...rounding import moment
 from ..files.columns import COUNTS, TIME, UNTOLD, VOLTAGE, Meaning, place_of
 from ..files.source import Table
-from ..sheet import TIME_UNITS
+from ..sheet import TIME_UNITS, Row
 from .points_recording import PASSED, about_file, as_recording
-from .points_table import is_number, peeked
+from .points_table import in_window, is_number, peeked
 from .swing_counts import FEWEST, counts
-from .turning_points import FASTEST, PASSAGES, PERIODS, Points, falls, too_few, unequal_sides
+from .turning_points import FASTEST, PASSAGES, PERIODS, Points, falls, too_few, unequal_sides, used_from
 
 _GATE = re.compile(
     r"(?i)\b(gate ?\d*|gate ?states?|edge( ?type)?|state|blocked|photogate|lichtschranke) ?\d*\b"
@@ -59,7 +58,7 @@ class Gate(NamedTuple):
     remarks: list[str]
 
 
-def passages(table: Table, row: Mapping[str, Any], place: str) -> tuple[Table, xr.Dataset | None]:
+def passages(table: Table, row: Row, place: str) -> tuple[Table, xr.Dataset | None]:
     """The table, to be read on, and the dataset of its passages; None where it holds something else.
 
     The dataset is as that of ``points_table.turning_points``, with speeds for readings, nan where the file has none.
@@ -80,7 +79,7 @@ def passages(table: Table, row: Mapping[str, Any], place: str) -> tuple[Table, x
                 "leave ⟨signal_kind⟩ empty, or export the times",
             )  # fmt: skip
         return table, None
-    inside = ~(gate.times < row.get("start_s", np.nan)) & ~(gate.times > row.get("stop_s", np.nan))
+    inside = in_window(gate.times, row)
     gate = gate._replace(times=gate.times[inside], speeds=gate.speeds[inside])
     points, kind = counted(gate, stated, f"{row['file']} ({place})")
     words = "each half-swing" if kind == PASSAGES else "one a period"
@@ -88,7 +87,7 @@ def passages(table: Table, row: Mapping[str, Any], place: str) -> tuple[Table, x
     return table, as_passages(points, kind, gate.unit, about, row)
 
 
-def ask_periods(table: Table, row: Mapping[str, Any], place: str) -> Table:
+def ask_periods(table: Table, row: Row, place: str) -> Table:
     """The table, to be read on; InputError where all that it holds are numbers, nearly alike in each column, and nobody says what they are."""
     if row.get("signal_kind") or row["signal_column"]:
         return table
@@ -96,15 +95,12 @@ def ask_periods(table: Table, row: Mapping[str, Any], place: str) -> Table:
     if rows is None or rows.empty:
         return table
     values = {one: _sound(table.numbers(rows, one.name)) for one in table.meanings}
-    rest = [one for one, own in values.items() if not is_number(one, own, table)]
+    rest = [one for one, own in values.items() if not is_number(one, own)]
     each = [values[one] for one in rest]
     if not rest or any(one.kind != UNTOLD for one in rest) or not all(map(_like_periods, each)):
         return table
-    several = (
-        f"of {place_of(', '.join(one.name for one in rest))} name one ⟨in signal_column⟩ and "
-        if len(rest) > 1
-        else ""
-    )
+    names = place_of(", ".join(one.name for one in rest))
+    several = f"of {names} name one ⟨in signal_column⟩ and " if len(rest) > 1 else ""
     raise InputError(
         f"{row['file']}, {place_of(rest[0].name)} ({place})", f"{each[0].size} numbers, nearly all about {np.median(each[0]):.4g}: are they periods of a pendulum, or readings?",
         "periods, the times between passages, or readings with their rate",
@@ -120,7 +116,7 @@ def _like_periods(values: Floats) -> bool:
 
 
 def as_passages(
-    points: Points, kind: str, unit: str, attrs: Mapping[str, Any], row: Mapping[str, Any] | None = None
+    points: Points, kind: str, unit: str, attrs: Mapping[str, Any], row: Row | None = None
 ) -> xr.Dataset:
     """The dataset of passages as recorded; ``kind`` is ``PASSAGES`` or ``PERIODS``, ``unit`` that of the speeds, "" for none."""
     found = as_recording(points, unit or "1", attrs, row)
@@ -144,9 +140,7 @@ def counted(gate: Gate, stated: str, place: str) -> tuple[Points, str]:
     step, remarks = (1 if kind == PASSAGES else 2), list(gate.remarks)
     halves, used = _halves(times, kind, step, place)
     if halves.size < times.size:
-        remarks.append(
-            f"used from {moment(times[used][0])} to {moment(times[used][-1])} s: how many swings passed beyond cannot be told"
-        )
+        remarks.append(used_from(times[used]))
     missed = int(halves[-1] // step + 1 - halves.size)
     if missed:
         remarks.append(f"between its {halves.size} passages {missed} more were missed")
@@ -174,18 +168,16 @@ def _halves(times: Floats, kind: str, step: int, place: str) -> tuple[np.ndarray
     )  # fmt: skip
 
 
-def _gate(rows: pd.DataFrame, table: Table, row: Mapping[str, Any]) -> Gate | None:
+def _gate(rows: pd.DataFrame, table: Table, row: Row) -> Gate | None:
     """The ``Gate`` of a file's rows; None where they are something else."""
     columns = table.meanings
     values = {one.name: table.numbers(rows, one.name) for one in columns}
     filled = {one.name: np.count_nonzero(np.isfinite(values[one.name])) for one in columns}
     columns = [one for one in columns if filled[one.name] > _BARE * max(filled.values())]
-    number = [one for one in columns if is_number(one, _sound(values[one.name]), table)]
+    number = [one for one in columns if is_number(one, _sound(values[one.name]))]
     rest = [one for one in columns if one not in number]
-    if row["time_column"]:
-        rest.sort(key=lambda one: one.name != row["time_column"])
-    else:
-        rest.sort(key=lambda one: one.kind != TIME)
+    clock = row["time_column"]
+    rest.sort(key=lambda one: one.name != clock if clock else one.kind != TIME)
     if not rest:
         return None
     states = [one for one in rest[1:] if _GATE.search(_label(one)) and _are_states(values[one.name])]
@@ -202,15 +194,12 @@ def _gate(rows: pd.DataFrame, table: Table, row: Mapping[str, Any]) -> Gate | No
 
 
 def _of_columns(
-    clock: Meaning, beside: Sequence[Meaning], values: Mapping[str, Floats], row: Mapping[str, Any]
+    clock: Meaning, beside: Sequence[Meaning], values: Mapping[str, Floats], row: Row
 ) -> Gate | None:
     """Times with the period that ends at each, with the speed or the dark time there, or with both; None where a column is neither."""
     speeds = [one for one in beside if _is_dark(one) or _SPEED.search(_label(one)) or one.written in _SPEEDS]
-    periods = [
-        one
-        for one in beside
-        if one not in speeds and _PERIOD.search(_label(one)) and one.kind in (UNTOLD, TIME)
-    ]
+    others = (one for one in beside if one not in speeds and one.kind in (UNTOLD, TIME))
+    periods = [one for one in others if _PERIOD.search(_label(one))]
     if len(speeds) + len(periods) < len(beside):
         return None
     counted = _with_periods(clock, *_beside(values, clock, periods[0]), row) if periods else None
@@ -221,7 +210,7 @@ def _of_columns(
 
 
 def _of_gates(
-    clock: Meaning, states: Sequence[Meaning], values: Mapping[str, Floats], row: Mapping[str, Any]
+    clock: Meaning, states: Sequence[Meaning], values: Mapping[str, Floats], row: Row
 ) -> Gate | None:
     """Passages of the gate that the sheet names, or else of the one that has most; each gate is passed twice a period."""
     named = [one for one in states if one.name == row["signal_column"]]
@@ -237,7 +226,7 @@ def _of_gates(
     return gate._replace(remarks=gate.remarks + (told if others else []))
 
 
-def _with_periods(clock: Meaning, times: Floats, periods: Floats, row: Mapping[str, Any]) -> Gate | None:
+def _with_periods(clock: Meaning, times: Floats, periods: Floats, row: Row) -> Gate | None:
     """Times with the period that ends at each."""
     steps = np.diff(times)
     found = _alone(clock, times, row) if steps.size > 1 and np.all(steps > 0) else None
@@ -271,7 +260,7 @@ def _are_states(values: Floats) -> bool:
     return bool(np.isin(_sound(values), (0, 1)).all()) and np.ptp(_sound(values)) == 1
 
 
-def _alone(one: Meaning, values: Floats, row: Mapping[str, Any]) -> Gate | None:
+def _alone(one: Meaning, values: Floats, row: Row) -> Gate | None:
     """Times or intervals that stand alone, or beside their numbers."""
     name = _label(one)
     if values.size < 3 or values.min() < 0 or not np.ptp(values) or one.kind not in (UNTOLD, TIME):
@@ -284,19 +273,15 @@ def _alone(one: Meaning, values: Floats, row: Mapping[str, Any]) -> Gate | None:
             break
     else:
         return None
-    unknown = np.full(values.size + (steps is values), np.nan)
-    if steps is not values:
-        return Gate(
-            scale * values, unknown, "", "", f"took `{one.name}` as times of passages, in {unit}", told
-        )
-    kind = PASSAGES if _HALF.search(name) else PERIODS if _ONE_PERIOD.search(name) else ""
-    times = scale * np.concatenate([[0.0], np.cumsum(values)])
-    return Gate(times, unknown, "", kind, f"took `{one.name}` as intervals between passages, in {unit}", told)
+    times, kind, what = values, "", "times of passages"
+    if steps is values:
+        times, what = np.concatenate([[0.0], np.cumsum(values)]), "intervals between passages"
+        kind = PASSAGES if _HALF.search(name) else PERIODS if _ONE_PERIOD.search(name) else ""
+    taken = f"took `{one.name}` as {what}, in {unit}"
+    return Gate(scale * times, np.full(times.size, np.nan), "", kind, taken, told)
 
 
-def _with_speeds(
-    clock: Meaning, beside: Meaning, values: Mapping[str, Floats], row: Mapping[str, Any]
-) -> Gate | None:
+def _with_speeds(clock: Meaning, beside: Meaning, values: Mapping[str, Floats], row: Row) -> Gate | None:
     """Times with the speed at each, or with the time for which the gate was dark."""
     times, read = _beside(values, clock, beside)
     steps, turns, read = np.diff(times), np.mean(np.diff(np.sign(read)) != 0), np.abs(read)
@@ -307,19 +292,15 @@ def _with_speeds(
     # of passages each goes the other way, or none is said to; samples of a speed turn now and then
     if not dark and (0 < turns < _TURNS or not falls(read)):
         return None
-    speeds, words = (
-        (1 / (read * TIME_UNITS[beside.unit or "s"]), _WIDTHS)
-        if dark
-        else (read, beside.written or "as written")
-    )
+    speeds, words = read, beside.written or "as written"
+    if dark:
+        speeds, words = 1 / (read * TIME_UNITS[beside.unit or "s"]), _WIDTHS
     what = f"`{beside.name}` as {'the time that the gate was dark' if dark else 'speeds'}"
     taken = f"took `{clock.name}` as times of passages, in {unit}, {what}"
     return _dying(Gate(scale * times, speeds, words, "", taken, told))
 
 
-def _of_states(
-    clock: Meaning, state: Meaning, values: Mapping[str, Floats], row: Mapping[str, Any]
-) -> Gate | None:
+def _of_states(clock: Meaning, state: Meaning, values: Mapping[str, Floats], row: Row) -> Gate | None:
     """Passages from a gate's states: each begins where it goes dark and ends where it is light again."""
     times, states = _beside(values, clock, state)
     dark = states > 0
@@ -357,9 +338,7 @@ def _is_brief(begin: Floats, end: Floats) -> bool:
     return not light.size or _LIGHT * float(np.median(end - begin)) <= float(np.median(light))
 
 
-def _of_voltage(
-    clock: Meaning, state: Meaning, values: Mapping[str, Floats], row: Mapping[str, Any]
-) -> Gate | None:
+def _of_voltage(clock: Meaning, state: Meaning, values: Mapping[str, Floats], row: Row) -> Gate | None:
     """Passages from samples of a gate's voltage, which jumps between two levels and is dark for the shorter time; None of another signal.
 
     Whether it is passed twice a period is left open: that only unequal gaps tell.
@@ -396,15 +375,13 @@ def _alike(steps: Floats) -> bool:
     return usual > 0 and float(np.mean(np.abs(pairs - usual) < _ALIKE * usual)) >= _USUAL
 
 
-def _seconds(clock: Meaning, step: float, row: Mapping[str, Any]) -> tuple[float, str, list[str]]:
+def _seconds(clock: Meaning, step: float, row: Row) -> tuple[float, str, list[str]]:
     """How many seconds a unit of time is, its name as told, and a remark where it was taken by the only period that a pendulum can have."""
     unit = row["time_unit"] or clock.unit
     if unit:
         return TIME_UNITS[unit], unit, []
     taken = next((one for one in TIME_UNITS if step * TIME_UNITS[one] < _SLOWEST), "us")
-    told = (
-        ["no unit of time is stated, and no pendulum takes so many s: taken for " + taken]
-        if taken != "s"
-        else []
-    )
-    return TIME_UNITS[taken], taken if told else "s (no unit is stated)", told
+    if taken == "s":
+        return 1.0, "s (no unit is stated)", []
+    told = "no unit of time is stated, and no pendulum takes so many s: taken for " + taken
+    return TIME_UNITS[taken], taken, [told]

@@ -11,29 +11,19 @@ from ...dataset import variable
 from ...errors import as_told
 from ...quantisation import quantisation_step
 from ..files.source import Table
+from ..sheet import Row
 from ..slack import tolerances
 from .turning_points import BOTH_SIDES, ONE_SIDE, Points
 
 POINTS_ALONE = "points alone"  # the code of the refusal to search points of the motion
 NOT_IN_IT = "points of the motion only: what a torque does between them is not in the data"
-_CARRIED = [
-    "recording",
-    "campaign",
-    "role",
-    "file",
-    "sha256",
-    "source",
-    "label",
-    "emulated",
-    "points",
-    "kind",
-    "remarks",
-    "taken",
-]  # to its angles
+_CARRIED = (  # to its angles
+    "recording", "campaign", "role", "file", "sha256", "source", "label", "emulated", "points", "kind", "remarks", "taken",
+)  # fmt: skip
 READ, COUNTED, PASSED = "turning points", "turning points without times", "passages without speeds"
 
 
-def about_file(table: Table, row: Mapping[str, Any], taken: str) -> dict[str, Any]:
+def about_file(table: Table, row: Row, taken: str) -> dict[str, Any]:
     """What is to be known of a recording's file: names, source, and how it was ``taken``."""
     return {key: row[key] for key in ("recording", "campaign", "role", "file")} | {
         **({"label": row["label"]} if row.get("label") else {}),
@@ -47,7 +37,7 @@ def as_recording(
     points: Points,
     unit: str,
     attrs: Mapping[str, Any],
-    row: Mapping[str, Any] | None = None,
+    row: Row | None = None,
     stated_u: tuple[float, float] = (np.nan, np.nan),
 ) -> xr.Dataset:
     """The dataset of turning points as recorded: ``signal`` in ``unit`` over ``time``, ``half_swings``, and ``attrs`` beside what is known.

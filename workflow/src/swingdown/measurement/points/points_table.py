@@ -2,20 +2,20 @@
 
 import itertools
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from math import pi
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
-from ...arrays import Floats
+from ...arrays import Bools, Floats
 from ...errors import InputError
 from ..files.columns import ANGLE, LENGTH, OF_AN_ERROR, TIME, UNNAMED, UNTOLD, Meaning, choose, place_of
 from ..files.source import Table
 from ..files.table import numbers
-from ..sheet import TIME_UNITS
+from ..sheet import TIME_UNITS, Row
 from .points_recording import about_file, as_recording
 from .turning_points import PASSAGES, PERIODS, SWING, Points, points_in
 
@@ -34,7 +34,7 @@ class Columns(NamedTuple):
     u_signal: str = ""
 
 
-def turning_points(table: Table, row: Mapping[str, Any], place: str) -> tuple[Table, xr.Dataset | None]:
+def turning_points(table: Table, row: Row, place: str) -> tuple[Table, xr.Dataset | None]:
     """The table, to be read on, and the dataset of its turning points; None where it holds something else.
 
     The dataset has ``signal`` over ``time`` in the readings' unit and ``half_swings`` since the first. ``signal_kind`` of the ``row``
@@ -54,28 +54,22 @@ def turning_points(table: Table, row: Mapping[str, Any], place: str) -> tuple[Ta
     values = {one: table.numbers(first, one) for one in (columns.clock.name, columns.signal.name)}
     clock, signal = values.values()
     scale = TIME_UNITS[row["time_unit"] or columns.clock.unit or "s"]
-    sound = np.isfinite(clock) & np.isfinite(signal) & _inside(clock * scale, row)
-    counted = is_number(columns.clock, clock[sound], table)
+    sound = np.isfinite(clock) & np.isfinite(signal) & in_window(clock * scale, row)
+    counted = is_number(columns.clock, clock[sound])
     where = f"{row['file']}, {place_of(columns.signal.name)} ({place})"
     unit, told = _unit(signal[sound], columns, row)
     in_rad = {"rad": 1.0, "deg": pi / 180}.get(unit, 0.0)
-    points = points_in(
-        clock[sound] * (1.0 if counted else scale),
-        signal[sound],
-        where,
-        stated,
-        counted,
-        columns.signal.name,
-        in_rad,
-    )
+    times = clock[sound] * (1.0 if counted else scale)
+    points = points_in(times, signal[sound], where, stated, counted, columns.signal.name, in_rad)
     if points is None:
         return table, None
-    stated_u = [_typical(first, name, table.decimal) for name in (columns.u_clock, columns.u_signal)]
+    u_clock, u_signal = (_typical(first, name, table.decimal) for name in (columns.u_clock, columns.u_signal))
     points = points._replace(remarks=[*told, *points.remarks])
-    return table, _dataset(points, columns, row, table, unit, (stated_u[0] * scale, stated_u[1]))
+    about = about_file(table, row, _taken(points, columns, row, table, unit))
+    return table, as_recording(points, unit, about, row, (u_clock * scale, u_signal))
 
 
-def peeked(table: Table, row: Mapping[str, Any]) -> tuple[pd.DataFrame | None, Table]:
+def peeked(table: Table, row: Row) -> tuple[pd.DataFrame | None, Table]:
     """The numbers of a small table, and the table as it was before they were read; None of a larger one, or where the ``row`` states a rate
     or a bob at rest."""
     if row.get("rate_hz", np.nan) > 0 or row.get("role") == "static":
@@ -103,7 +97,7 @@ def _again(
     yield from rest
 
 
-def _columns(table: Table, row: Mapping[str, Any]) -> Columns | None:
+def _columns(table: Table, row: Row) -> Columns | None:
     """The columns that may be turning points; None where the file has none, or positions."""
     found = [table.meaning(name) for name in table.names if not name.startswith(UNNAMED)]
     usable = [one for one in found if not OF_AN_ERROR.search(one.name.replace("_", " "))]
@@ -127,12 +121,13 @@ def _columns(table: Table, row: Mapping[str, Any]) -> Columns | None:
     return Columns(clock, signal, *["", "", *errors[:2]][-2:])
 
 
-def _inside(times: Floats, row: Mapping[str, Any]) -> np.ndarray:
+def in_window(times: Floats, row: Row) -> Bools:
+    """True for the times (s) within the window of the ``row``, and for what is no number."""
     start, stop = (float(row.get(key, np.nan)) for key in ("start_s", "stop_s"))
     return ~(times < start) & ~(times > stop)
 
 
-def is_number(clock: Meaning, values: Floats, table: Table) -> bool:
+def is_number(clock: Meaning, values: Floats) -> bool:
     """True for a column that counts the swings: it is called so, or has no name, and holds whole numbers one apart."""
     if not np.all(values == np.round(values)):
         return False
@@ -149,30 +144,17 @@ def _typical(rows: pd.DataFrame, name: str, decimal: str) -> float:
     return middle if middle > 0 else float("nan")
 
 
-def _dataset(
-    points: Points,
-    columns: Columns,
-    row: Mapping[str, Any],
-    table: Table,
-    unit: str,
-    stated_u: tuple[float, float],
-) -> xr.Dataset:
-    """The dataset of a file's turning points, with how they were read."""
+def _taken(points: Points, columns: Columns, row: Row, table: Table, unit: str) -> str:
+    """How a file's turning points were read."""
     seconds = row["time_unit"] or columns.clock.unit or "s (no unit is stated)"
     clock = f"`{columns.clock.name}` as {seconds if points.timed else 'the number of the swing'}"
     words = {"rad": "rad", "deg": "degrees"}.get(unit, unit)
     said = words if columns.signal.written or row["signal_unit"] else f"{words} (no unit is stated)"
-    parts = [
-        f"took `{columns.signal.name}` as turning points",
-        points.each,
-        f"in {said}",
-        clock,
-        *([table.layout] if table.layout else []),
-    ]
-    return as_recording(points, unit, about_file(table, row, ", ".join(parts)), row, stated_u)
+    taken = f"took `{columns.signal.name}` as turning points, {points.each}, in {said}, {clock}"
+    return f"{taken}, {table.layout}" if table.layout else taken
 
 
-def _unit(readings: Floats, columns: Columns, row: Mapping[str, Any]) -> tuple[str, list[str]]:
+def _unit(readings: Floats, columns: Columns, row: Row) -> tuple[str, list[str]]:
     """The unit of a column's readings, and a remark where it was inferred or is none of angles."""
     signal = columns.signal
     coordinate = signal.kind == LENGTH or (signal.axis and columns.clock.axis != "x")  # y over x is a graph's

@@ -110,9 +110,8 @@ def points_in(
         flipped = readings * (1.0 if readings[0] > 0 else -1.0)
         used = _by_turns(np.sign(flipped) == (-1.0) ** halves, place) if both else slice(None)
         if used != slice(None):
-            remarks.append(
-                f"used from {moment(times[used][0])} to {moment(times[used][-1])} s: beyond two turning points on one side follow each other as if on both"
-            )
+            why = "beyond two turning points on one side follow each other as if on both"
+            remarks.append(used_from(times[used], why))
             times, halves = times[used], halves[used] - halves[used][0]
             flipped = flipped[used] * np.sign(flipped[used][0])
     else:
@@ -144,9 +143,7 @@ def _numbered(
         # that they are turning points is a guess: of a few points it has to suit all
         raise _no_count(place)
     if halves.size < times.size:
-        told.append(
-            f"used from {moment(times[used][0])} to {moment(times[used][-1])} s: how many swings passed beyond cannot be told"
-        )
+        told.append(used_from(times[used]))
     times, readings = times[used], readings[used]
     if np.min(np.diff(count)) > 1:
         told.append(
@@ -158,6 +155,11 @@ def _numbered(
             "were they of both sides without signs, the period would be twice this (half_swings ⟨in signal_kind⟩)"
         )
     return times, readings, halves, told
+
+
+def used_from(times: Floats, why: str = "how many swings passed beyond cannot be told") -> str:
+    """A remark that the points of these times (s) alone are used."""
+    return f"used from {moment(times[0])} to {moment(times[-1])} s: {why}"
 
 
 def _sides(
@@ -173,7 +175,10 @@ def _sides(
         # a sign that was written wrongly stays a turning point; three samples a period leave a third on one side
         if stated == ONE_SIDE or np.mean((side[1:] != side[:-1])[usual]) < 1 - _WRONG:
             if stated:
-                raise _no_sides(place)
+                raise InputError(
+                    place, "its values lie on both sides of 0, but do not alternate", "the turning points of one side, or of both sides alternately",
+                    "leave ⟨signal_kind⟩ empty, or correct the column",
+                )  # fmt: skip
             return None
         if not falls(np.abs(readings - middle)) and not stated:
             raise InputError(
@@ -189,11 +194,8 @@ def _sides(
         by_side = size - other * (-1.0) ** np.arange(size.size)
         if not falls(by_side):
             return None
-        return (
-            True,
-            False,
-            ["both sides are there without signs" + (", as the two sides' readings differ" if other else "")],
-        )
+        why = ", as the two sides' readings differ" if other else ""
+        return True, False, [f"both sides are there without signs{why}"]
     if not falls(size) or _is_sampled(times, size):
         return None
     if difference := unequal_sides(size, _ASKED):
@@ -223,10 +225,8 @@ def _once(times: Floats, readings: Floats, signed: bool) -> tuple[Floats, Floats
     """Times and readings without turning points that stand twice, and a remark: none follows another on its side within half the usual time."""
     kept, usual = [0], float(np.median(np.diff(times)))
     for k in range(1, times.size):
-        again = times[k] - times[kept[-1]] < 0.5 * usual and (
-            not signed or readings[k] * readings[kept[-1]] > 0
-        )
-        if not again:
+        near = times[k] - times[kept[-1]] < 0.5 * usual
+        if not (near and (not signed or readings[k] * readings[kept[-1]] > 0)):
             kept.append(k)
         elif abs(readings[k]) > abs(readings[kept[-1]]):
             kept[-1] = k
@@ -245,13 +245,6 @@ def _by_turns(in_turn: Bools, place: str) -> slice:
     if 2 * (used.stop - used.start) < in_turn.size:
         raise _no_count(place)
     return used
-
-
-def _no_sides(place: str) -> InputError:
-    return InputError(
-        place, "its values lie on both sides of 0, but do not alternate", "the turning points of one side, or of both sides alternately",
-        "leave ⟨signal_kind⟩ empty, or correct the column",
-    )  # fmt: skip
 
 
 def unequal_sides(size: Floats, chance: float = _CHANCE) -> float:

@@ -78,9 +78,8 @@ def _going(times: Floats) -> tuple[int, list[str]]:
     sizes = np.diff(edges)
     if sizes.size < 2 or sizes[-1] < RESTART * sizes[:-1].max():
         return times.size, []
-    return int(edges[-2]) + 1, [
-        f"THE CLOCK STOPS at {moment(times[-1])} s: the last {sizes[-1] - 1} rows, which have no other time, were left out"
-    ]
+    remark = f"THE CLOCK STOPS at {moment(times[-1])} s: the last {sizes[-1] - 1} rows, which have no other time, were left out"
+    return int(edges[-2]) + 1, [remark]
 
 
 def goes_on(times: Floats) -> bool:
@@ -162,12 +161,9 @@ def _sorted(times: Floats, signal: Floats) -> tuple[NDArray[np.integer] | slice,
     told, order = [], np.arange(times.size)
     if wrong := int(np.count_nonzero(steps < 0)):
         order = np.argsort(times, kind="stable")
-        turned = wrong == len(steps)
-        told.append(
-            "the rows run backwards in time and were turned round"
-            if turned
-            else f"the time runs back at {wrong} of {times.size} rows, which were put in order of time"
-        )
+        told = [f"the time runs back at {wrong} of {times.size} rows, which were put in order of time"]
+        if wrong == len(steps):
+            told = ["the rows run backwards in time and were turned round"]
     again = np.diff(times[order]) == 0
     same = again & (np.diff(signal[order]) == 0)
     if again.any() and np.count_nonzero(again) <= UNEVEN**2 * times.size:
@@ -215,9 +211,8 @@ def _even_clock(times: Floats, signal: Floats) -> tuple[Floats | None, list[str]
                 "smooth over the even times: these are taken"
             ]
     if repeated:
-        return stamps, [
-            "samples that share a time, for the clock has too few digits, were spread evenly over it"
-        ]
+        remark = "samples that share a time, for the clock has too few digits, were spread evenly over it"
+        return stamps, [remark]
     return None, []
 
 
@@ -285,9 +280,8 @@ def _countings(times: Floats, usual: float) -> list[NDArray[np.integer]]:
             if (np.diff(slots) < 1).any():
                 break
             even = _line(times, slots)
-            slots = np.round((times - even[0]) * (slots[-1] - slots[0]) / (even[-1] - even[0])).astype(
-                np.int64
-            )
+            passed = (times - even[0]) * (slots[-1] - slots[0]) / (even[-1] - even[0])
+            slots = np.round(passed).astype(np.int64)
         else:
             if (np.diff(slots) > 0).all():
                 found.append(slots)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ...arrays import Bools, Floats
+from ...arrays import Bools, Floats, runs
 from ...errors import InputError
 from ...pendulum.half_swings import half_swings, passages
 from ...quantisation import quantisation_step
@@ -25,7 +25,7 @@ SMOOTHER = 0.25  # of such a step: one from a row to the next of its own series
 TOGETHER = 0.05  # of the variance: less is in the mean of rows that follow one another where a swing is read about as often as it swings
 
 
-def check_continuous(times: Floats, signal: Floats, place: str, spikes: Spikes) -> list[str]:
+def check_continuous(times: Floats, signal: Floats, spikes: Spikes) -> list[str]:
     """Remarks, each one line, on what is missing, on spikes, jumps and uneven times."""
     even = evenly(times, spikes.healed)
     remarks = missing_samples(even, times)
@@ -46,8 +46,7 @@ def check_continuous(times: Floats, signal: Floats, place: str, spikes: Spikes) 
     jumps = _places(healed, kernel(False), period / interval, unknown)
     kept = [k for k in kept if all(abs(k - n) > SIDE for n in jumps)]  # a jump looks a little like one
     if len(left_out):
-        runs = np.split(left_out, np.flatnonzero(np.diff(left_out) > 1) + 1)
-        words = _told(SPIKE, times[[int(run[0]) for run in runs]])
+        words = _told(SPIKE, times[[first for first, _ in runs(spikes.where)]])
         remarks.append(f"{words}, left out as missing: {len(left_out)} of {times.size} samples")
     if kept:
         many = not len(left_out) and len(kept) > MOST * times.size
@@ -73,12 +72,8 @@ def check_one_series(times: Floats, signal: Floats, place: str) -> None:
         if np.nanvar(rows.mean(axis=1)) > TOGETHER * np.nanvar(rows) and any(
             in_a_row(times[k::count][: rows.shape[0]], rows[:, k]) >= ENOUGH for k in range(count)
         ):
-            raise InputError(
-                place,
-                f"{count} series take turns in it, row by row",
-                "one series",
-                "write in a column of its own which sensor each row is of, or give each sensor a column or a file",
-            )
+            mend = "write in a column of its own which sensor each row is of, or give each sensor a column or a file"
+            raise InputError(place, f"{count} series take turns in it, row by row", "one series", mend)
 
 
 def _out_of_step(times: Floats, signal: Floats) -> Floats:
@@ -108,13 +103,11 @@ def _told(what: str, times: Floats) -> str:
 def _places(signal: Floats, weights: Floats, period: float, unknown: Bools) -> list[int]:
     """Where the height that the kernel tells stands out of those nearby: the largest of each cluster. ``period`` in samples; of
     places that are ``unknown`` nothing is told."""
-    clusters = [
-        one.samples for one in standing_out(signal, weights, period) if not unknown[one.samples].any()
-    ]
+    clusters = standing_out(signal, weights, period, unknown)
     if not clusters:
         return []
     height = np.abs(np.correlate(signal, weights, mode="valid"))
-    return [int(one[np.argmax(height[one - SIDE])]) for one in clusters]
+    return [int(one.samples[np.argmax(height[one.samples - SIDE])]) for one in clusters]
 
 
 def check_alive(times: Floats, signal: Floats, place: str) -> None:

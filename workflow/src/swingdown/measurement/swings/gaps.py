@@ -26,9 +26,8 @@ def missing_samples(even: Even, given: Floats) -> list[str]:
     if not holes:
         return []
     longest = max(even.times[b] - even.times[a - 1] for a, b in holes) - even.interval
-    return [
-        f"{int(even.missing.sum())} of {even.times.size} samples are missing, the longest hole {longest:.2g} s; the others are taken at their times"
-    ]
+    remark = f"{int(even.missing.sum())} of {even.times.size} samples are missing, the longest hole {longest:.2g} s; the others are taken at their times"
+    return [remark]
 
 
 class Uncounted(NamedTuple):
@@ -91,9 +90,6 @@ def _period(halves: Floats) -> tuple[float, float] | None:
     if halves.size < 2:
         return None
     whole = halves[1:] + halves[:-1]
-    spread = (
-        1.4826 * float(np.median(np.abs(whole - np.median(whole))))
-        if whole.size > 2
-        else float(np.ptp(halves))
-    )
-    return float(np.median(whole)), spread / np.sqrt(whole.size)
+    usual = float(np.median(whole))
+    spread = 1.4826 * float(np.median(np.abs(whole - usual))) if whole.size > 2 else float(np.ptp(halves))
+    return usual, spread / np.sqrt(whole.size)

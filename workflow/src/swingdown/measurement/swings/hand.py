@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...arrays import Floats, runs
-from ...pendulum.half_swings import Swings, half_swings
+from ...pendulum.half_swings import half_swings
 from .noise_level import noise_level
 
 WINDOW = 0.25  # of a period: the stretch of samples from which an acceleration is told
@@ -25,7 +25,7 @@ HELD = 0.3  # of a period: at a turning point it is that slow for a hundredth
 
 
 class Stretch(NamedTuple):
-    """From when to when (s) a hand is at the pendulum, about."""
+    """From when to when (s) a hand is at the pendulum, about; or of what is between two hands, nan where there is none."""
 
     start: float
     stop: float
@@ -42,7 +42,9 @@ def stretches(times: Floats, signal: Floats, scale: float = 0.0) -> list[Stretch
     swings = half_swings(signal)
     if len(swings.starts) < 5 or len(signal) < 64:
         return []
-    first, last = _learned_from(swings)
+    sizes = np.abs(swings.turns - swings.centre())
+    first = min(int(np.argmax(sizes[:-1])) + 1, len(sizes) - 4)  # after the largest
+    last = min(first + LEARNED, len(sizes) - 1)
     samples = 2 * (swings.starts[last] - swings.starts[first]) / (last - first)  # a period
     half = max(2, round(WINDOW * samples / 2))
     inside = slice(swings.starts[first], min(swings.starts[last], len(signal) - half) - half)
@@ -83,20 +85,10 @@ def held_still(times: Floats, rate: Floats) -> list[Stretch]:
     found = []
     for a, b in runs(still):
         before, after = np.abs(rate[max(0, a - usual) : a]), np.abs(rate[b:])
-        if (
-            b < len(rate)
-            and times[b] - times[a] > HELD * period
-            and after.max() > HIGHER * before.max(initial=0.0)
-        ):
+        held = b < len(rate) and times[b] - times[a] > HELD * period
+        if held and after.max() > HIGHER * before.max(initial=0.0):
             found.append(Stretch(float(times[a]), float(times[b])))
     return found
-
-
-def _learned_from(swings: Swings) -> tuple[int, int]:
-    """The half-swings after the largest, by number: the first, and the one after the last."""
-    sizes = np.abs(swings.turns - swings.centre())
-    first = min(int(np.argmax(sizes[:-1])) + 1, len(sizes) - 4)
-    return first, min(first + LEARNED, len(sizes) - 1)
 
 
 def _excess(away: Floats, scale: float, half: int, samples: float, inside: slice) -> Floats:

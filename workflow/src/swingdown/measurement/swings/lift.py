@@ -46,9 +46,8 @@ def lifted_until(times: Floats, angle: Floats) -> float | None:
         return None
     slopes *= BACK[:, None]
     unsure = np.sqrt(1 + SHARED * np.einsum("ij,ik,kj->j", slopes, covariance, slopes))
-    odd = np.flatnonzero(
-        np.abs(found - away[before]) > np.maximum(ODD * left * unsure, SEEN * float(np.ptp(away)) / 2)
-    )
+    least = np.maximum(ODD * left * unsure, SEEN * float(np.ptp(away)) / 2)
+    odd = np.flatnonzero(np.abs(found - away[before]) > least)
     period = 2 * (times[stop] - times[first]) / learned
     lasting = len(odd) and times[before[odd[0]]] - times[0] > LASTING * period
     return float(times[before[odd[0]]]) if lasting else None
@@ -58,15 +57,11 @@ def _fitted(times: Floats, angle: Floats, halves: int) -> tuple[Floats, Floats, 
     """Fitted values (the model's, then angle and velocity at the first sample), their covariance for errors of 1 rad, and what the fit leaves (rad, RMS)."""
     amplitude = min(float(np.abs(angle).max()), 0.98 * pi)
     start = max(1, len(times) // (halves * 10))
+    frequency = pi * halves / times[-1] / quickening(amplitude)
+    velocity = (angle[start] - angle[0]) / times[start]
     found = least_squares(
         lambda values: _motion(values, times)[0] - angle,
-        [
-            pi * halves / times[-1] / quickening(amplitude),
-            0.01,
-            0.0,
-            angle[0],
-            (angle[start] - angle[0]) / times[start],
-        ],
+        [frequency, 0.01, 0.0, angle[0], velocity],
         jac=lambda values: _motion(values, times)[1].T,
         bounds=([0.0, 0.0, 0.0, -np.inf, -np.inf], np.inf),  # a drag that pushes may run away
         x_scale="jac",

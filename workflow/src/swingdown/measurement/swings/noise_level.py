@@ -106,12 +106,8 @@ def noise_level(times: ArrayLike, signal: ArrayLike) -> float:
     """
     times, signal = np.asarray(times, dtype=float), np.asarray(signal, dtype=float)
     if len(signal) < SPECTRUM:
-        raise InputError(
-            "noise level",
-            f"{len(signal)} samples",
-            f"at least {SPECTRUM}",
-            "record longer, or more samples a second",
-        )
+        mend = "record longer, or more samples a second"
+        raise InputError("noise level", f"{len(signal)} samples", f"at least {SPECTRUM}", mend)
     interval = (times[-1] - times[0]) / (len(times) - 1)
     frequency, power, gain = _spectrum(signal, interval)
     high = min(BAND[1], 0.5 / interval)
@@ -136,9 +132,8 @@ def scatter(times: Floats, signal: Floats, window: int, order: int) -> Floats:
     chosen = np.linspace(0, count - 1, min(count, _WINDOWS)).astype(int)
     own, when = (np.asarray(one)[: count * window].reshape(count, window)[chosen] for one in (signal, times))
     when = when - when.mean(axis=1, keepdims=True)
-    basis = np.linalg.qr((when / np.abs(when).max(axis=1, keepdims=True))[..., None] ** np.arange(order + 1))[
-        0
-    ]
+    when = when / np.abs(when).max(axis=1, keepdims=True)
+    basis = np.linalg.qr(when[..., None] ** np.arange(order + 1))[0]
     left = own - np.einsum("mij,mkj,mk->mi", basis, basis, own, optimize=True)
     return np.sum(left**2, axis=1) / (window - order - 1)
 

@@ -13,31 +13,17 @@ STEPS = 8  # quantisation steps below it that are compared with it
 CLEAR = 16  # quantisation steps that a stretch beside it falls by, in which rounding is little
 
 
-def check_signal(
-    times: Floats, signal: Floats, place: str, static: bool = False, computed: bool = False
-) -> None:
-    """None if the signal moves and is not cut off at a rail; InputError otherwise.
-
-    A static record may be constant: a quantised sensor at rest is. A swing may end at rest. What is ``computed`` has no rail.
-    """
-    if static:
-        return
+def check_signal(times: Floats, signal: Floats, place: str, computed: bool = False) -> None:
+    """None if the signal moves and is not cut off at a rail; InputError otherwise. What is ``computed`` has no rail."""
     if np.ptp(signal) == 0:
-        raise InputError(
-            place,
-            f"the signal is constant ({signal[0]:g})",
-            "a swing",
-            "check the sensor, or set the role to static",
-        )
+        problem = f"the signal is constant ({signal[0]:g})"
+        raise InputError(place, problem, "a swing", "check the sensor, or set the role to static")
     for word, sign in () if computed else (("highest", 1), ("lowest", -1)):
         if len(runs := saturated_runs(sign * signal)):
             first, length = runs[0]
-            raise InputError(
-                f"{place}, {moment(times[first])} s",
-                f"the signal is saturated: {length} samples at its {word} value {signal[first]:g} ({len(runs)} such tops)",
-                "rounded turning points",
-                "record with a wider range, or leave the part out with ⟨start_s⟩ and ⟨stop_s⟩",
-            )
+            problem = f"the signal is saturated: {length} samples at its {word} value {signal[first]:g} ({len(runs)} such tops)"
+            mend = "record with a wider range, or leave the part out with ⟨start_s⟩ and ⟨stop_s⟩"
+            raise InputError(f"{place}, {moment(times[first])} s", problem, "rounded turning points", mend)
 
 
 def saturated_runs(signal: Floats) -> list[tuple[int, int]]:

@@ -1,7 +1,7 @@
 """Where a pendulum swings by itself: from the release out of a hand to the next one, or to where it rests."""
 
-from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -10,8 +10,8 @@ from ...arrays import Floats
 from ...errors import InputError
 from ...pendulum.half_swings import Swings, half_swings
 from ...quantisation import quantisation_step
-from ..sheet import rows_of_parts
-from .hand import held_still, stretches
+from ..sheet import Row, rows_of_parts
+from .hand import Stretch, held_still, stretches
 from .lift import lifted_until
 from .noise_level import noise_level
 
@@ -35,6 +35,7 @@ class Window(NamedTuple):
 
 
 NAN = float("nan")
+WHOLE = Window(NAN, NAN, NAN, False)  # of what swings from the first sample to the last
 
 
 class SeveralReleases(InputError):
@@ -73,11 +74,10 @@ def find_windows(
         A window for each release, and one of nan where nobody touched the pendulum or the recording is too short. A hand parts two of
         them where it stays for a period, or where the pendulum swings higher after it.
     """
-    whole = Window(NAN, NAN, NAN, False)
-    free, pushed = [_Free(NAN, NAN)], []
+    free, pushed = [Stretch(NAN, NAN)], []
     swings = _swings_in(times, signal, free[0])
     if swings is None:
-        return [whole], []
+        return [WHOLE], []
     starts = swings.starts
     # more samples a period tell no more of a hand, and take their square in time
     step = max(1, int(np.median(np.diff(starts))) // ENOUGH)
@@ -87,8 +87,8 @@ def find_windows(
         if any(hand.start < b + room and hand.stop > a - room for a, b in hidden):
             continue
         free[-1] = free[-1]._replace(stop=hand.start)
-        free.append(_Free(hand.stop, NAN))
-    found: list[tuple[_Free, Swings]] = []
+        free.append(Stretch(hand.stop, NAN))
+    found: list[tuple[Stretch, Swings]] = []
     still = _still(times, signal)
     for part in free:
         swings = _swings_in(times, signal, part)
@@ -96,11 +96,11 @@ def find_windows(
             continue
         if found and not _anew(found[-1][0], found[-1][1], part, swings, times):
             pushed.append(part.start)
-            part = _Free(found[-1][0].start, part.stop)
+            part = Stretch(found[-1][0].start, part.stop)
             swings = _swings_in(times, signal, part) or swings
             found.pop()
         found.append((part, swings))
-    windows = [_window(times, signal, part) for part, _ in found] or [whole]
+    windows = [_window(times, signal, part) for part, _ in found] or [WHOLE]
     if np.isnan(windows[0].begins) and not rate:
         part_of = within(windows[0], times)
         starts = half_swings(signal[part_of]).starts
@@ -112,19 +112,12 @@ def find_windows(
     return windows, pushed
 
 
-class _Free(NamedTuple):
-    """Between two hands (s); nan where there is none."""
-
-    start: float
-    stop: float
-
-
-def _samples(times: Floats, part: _Free) -> slice:
+def _samples(times: Floats, part: Stretch) -> slice:
     first = 0 if np.isnan(part.start) else int(np.searchsorted(times, part.start))
     return slice(first, len(times) if np.isnan(part.stop) else int(np.searchsorted(times, part.stop)))
 
 
-def _swings_in(times: Floats, signal: Floats, part: _Free) -> Swings | None:
+def _swings_in(times: Floats, signal: Floats, part: Stretch) -> Swings | None:
     """The half-swings between two hands; None for less than a swing."""
     own = signal[_samples(times, part)]
     if len(own) < 64:
@@ -133,7 +126,7 @@ def _swings_in(times: Floats, signal: Floats, part: _Free) -> Swings | None:
     return swings if len(swings.starts) >= FEWEST else None
 
 
-def _anew(before: _Free, earlier: Swings, after: _Free, later: Swings, times: Floats) -> bool:
+def _anew(before: Stretch, earlier: Swings, after: Stretch, later: Swings, times: Floats) -> bool:
     """True where a hand stayed for a period, or the pendulum swings higher after it."""
     period = earlier.period(times[_samples(times, before)])
     if after.start - before.stop > period:
@@ -142,7 +135,7 @@ def _anew(before: _Free, earlier: Swings, after: _Free, later: Swings, times: Fl
     return bool(first > RISE * last)
 
 
-def _window(times: Floats, signal: Floats, part: _Free) -> Window:
+def _window(times: Floats, signal: Floats, part: Stretch) -> Window:
     where = _samples(times, part)
     own, when = signal[where], times[where]
     swings = half_swings(own)
@@ -194,7 +187,7 @@ def by_itself(recording: xr.Dataset) -> xr.Dataset:
     return recording.isel(time=within(Window(NAN, begins, ends, False), recording["time"].values))
 
 
-def several_releases(windows: Sequence[Window], row: Mapping[str, Any], place: str) -> SeveralReleases:
+def several_releases(windows: Sequence[Window], row: Row, place: str) -> SeveralReleases:
     """The refusal of a recording with several releases. Its mend holds the rows of the sheet that make each of them a recording."""
     ends = [{"start_s": window.begins, "stop_s": window.ends} for window in windows]
     parts = [{key: "" if np.isnan(at) else f"{at:.3f}" for key, at in one.items()} for one in ends]

@@ -65,8 +65,7 @@ def find_spikes(times: Floats, signal: Floats) -> Spikes:
     grid, where = even.signal, np.zeros(even.times.size, dtype=bool)
     unknown = beside_holes(even, period)
     for _ in range(_PASSES):
-        clusters = standing_out(grid, kernel(True), period / even.interval)
-        clusters = [one for one in clusters if not unknown[one.samples].any()]
+        clusters = standing_out(grid, kernel(True), period / even.interval, unknown)
         least = max(SEEN * float(np.ptp(signal)), 2 * quantisation_step(signal)) if clusters else 0.0
         joined = _joined(clusters)
         open_ = unknown.copy()
@@ -106,9 +105,8 @@ def beside_holes(even: Even, period: float) -> Bools:
 def heal(signal: Floats, where: Bools) -> Floats:
     """The signal with what a quintic through a dozen samples on each side says in place of those that are marked."""
     healed, good = signal.copy(), np.flatnonzero(~where)
-    marked = np.flatnonzero(where)
-    for run in np.split(marked, np.flatnonzero(np.diff(marked) > 1) + 1) if marked.size else []:
-        at = int(np.searchsorted(good, run[0]))
+    for first, after in runs(where):
+        at, run = int(np.searchsorted(good, first)), np.arange(first, after)
         near = good[max(0, at - 2 * SIDE) : at + 2 * SIDE]
         scale = max(1, int(near[-1] - near[0])) / 2
         powers = np.polynomial.chebyshev.chebvander((near - near.mean()) / scale, ORDERS[0][1])
@@ -186,10 +184,8 @@ def _beside(
         return none
     places = range(first - window.start - 1, last - window.start + 2)
     here = ~elsewhere
-    if (
-        _broken(x[here], own[here], powers[here], x[np.clip(places, 0, x.size - 1)]) - rest
-        < BETTER * scale**2
-    ):
+    broken = _broken(x[here], own[here], powers[here], x[np.clip(places, 0, x.size - 1)])
+    if broken - rest < BETTER * scale**2:
         return none
     return window.start + np.flatnonzero(beside)
 
@@ -214,8 +210,8 @@ def kernel(spike: bool) -> Floats:
     return np.linalg.pinv(np.column_stack([x**0, x, x**2, x**3, *odd]).astype(float))[-1]
 
 
-def standing_out(signal: Floats, weights: Floats, period: float) -> list[Cluster]:
-    """The ``Cluster``s of samples where the height that the ``kernel`` tells stands out of those nearby.
+def standing_out(signal: Floats, weights: Floats, period: float, unknown: Bools) -> list[Cluster]:
+    """The ``Cluster``s of samples, none of them ``unknown``, where the height that the ``kernel`` tells stands out of those nearby.
 
     What swing and noise do to the height is told by its median over two periods, before, around and after; the noise is the
     white noise that would. ``period`` in samples.
@@ -228,17 +224,15 @@ def standing_out(signal: Floats, weights: Floats, period: float) -> list[Cluster
     edges = np.linspace(0, len(height), max(1, len(height) // size) + 1).astype(int)
     own = np.array([np.median(height[a:b]) for a, b in zip(edges, edges[1:], strict=False)]) / 0.6745
     around = np.maximum(own, np.maximum(np.append(own[1:], 0), np.append(0, own[:-1])))
-    seen = max(SEEN * np.ptp(signal), 2 * quantisation_step(signal))
-    odd = np.concatenate(
-        [
-            a + np.flatnonzero(height[a:b] > max(ODD * scale, seen))
-            for a, b, scale in zip(edges, edges[1:], around, strict=False)
-        ]
-    )
+    seen = max(SEEN * float(np.ptp(signal)), 2 * quantisation_step(signal))
+    least = np.maximum(ODD * around, seen)
+    parts = zip(edges, edges[1:], least, strict=False)
+    odd = np.concatenate([a + np.flatnonzero(height[a:b] > beyond) for a, b, beyond in parts])
     if not len(odd):
         return []
     noise = around / float(np.linalg.norm(weights))
     return [
         Cluster(one + SIDE, float(np.max(noise[np.searchsorted(edges, one, "right") - 1])))
         for one in np.split(odd, np.flatnonzero(np.diff(odd) > SIDE) + 1)
+        if not unknown[one + SIDE].any()
     ]

@@ -22,16 +22,8 @@ _TERMS = {
         "A lever or motor turns the other end of its spring, and the angle was measured.",
     ),
 }  # fmt: skip
-_DELAY = Parameter(
-    "input_delay",
-    "tau_u",
-    "s",
-    -inf,
-    inf,
-    "by how much the drive acts later than it is stamped",
-    0.01,
-    role="delay",
-)
+_LATER = "by how much the drive acts later than it is stamped"
+_DELAY = Parameter("input_delay", "tau_u", "s", -inf, inf, _LATER, 0.01, role="delay")
 
 
 def _effect(kind: str, free: tuple[str, ...]) -> Effect:

@@ -36,18 +36,10 @@ SENSOR = (
         "theta + a_e*sin(theta + phi_e)",
         (
             Parameter(
-                "eccentricity",
-                "a_e",
-                "rad",
-                0.0,
-                1.0,
-                "amplitude of the error a turn; beyond 1 rad it would run back",
-                0.01,
+                "eccentricity", "a_e", "rad", 0.0, 1.0, "amplitude of the error a turn; beyond 1 rad it would run back", 0.01,
                 largest=0.3,
             ),
-            Parameter(
-                "eccentricity_phase", "phi_e", "rad", -2 * pi, 2 * pi, "at the bottom", 0.8, role="phase"
-            ),
+            Parameter("eccentricity_phase", "phi_e", "rad", -2 * pi, 2 * pi, "at the bottom", 0.8, role="phase"),
         ),
         "The encoder's disc is off centre: it reads ahead on one side and behind on the other.",
         METROLOGY,
@@ -75,15 +67,7 @@ SENSOR = (
         "sensor_curvature",
         "theta + c_s*theta**2",
         (
-            Parameter(
-                "sensor_curvature",
-                "c_s",
-                "1/rad",
-                -0.3,
-                0.3,
-                "relative change of the sensitivity with angle",
-                largest=0.1,
-            ),
+            Parameter("sensor_curvature", "c_s", "1/rad", -0.3, 0.3, "relative change of the sensitivity with angle", largest=0.1),
         ),
         "The sensor's line is bent: it reads more a radian on one side than on the other.",
         METROLOGY,
@@ -103,7 +87,7 @@ SENSOR = (
         acts_on="sensor",
         reading_error="abs(b_s)",
     ),
-)
+)  # fmt: skip
 
 _OF_ANGLES = {effect.name: effect for effect in SENSOR}
 GYROSCOPE = (
