@@ -126,6 +126,17 @@ def test_a_channel_of_noise_is_no_swing_beside_one_that_swings(tmp_path, names, 
     assert f"took `{first}`" in taken(tmp_path, f"{names}\n{rows}", scale="relative", signal_column=first).attrs["taken"]  # fmt: skip
 
 
+def test_of_several_angles_the_one_that_swings_is_taken_beside_the_noise_of_a_sensor_that_rests(tmp_path):
+    """The first link of a double pendulum is held; its potentiometer reads in steps, and remembers a little."""
+    rng, angle = np.random.default_rng(2), VOLTS - 2.5
+    white = rng.standard_normal(TIMES.size + 1)
+    held = 3.33 + 0.003 * np.round(white[1:] + 0.2 * white[:-1])
+    rows = "".join(f"{t:.4f},{n:.4f},{a:.5f}\n" for t, n, a in zip(TIMES, held, angle, strict=True))
+    found = taken(tmp_path, f"t (s),theta_1,theta_2\n{rows}", signal_unit="rad", scale="")
+    assert "took `theta_2`" in found.attrs["taken"]
+    assert "`theta_1` holds noise alone: left out" in found.attrs["remarks"]
+
+
 def test_a_short_swing_is_not_left_out_for_a_column_that_swings_more_often(tmp_path):
     short = np.cos(2 * np.pi * TIMES / 9)  # five half-swings
     rows = each("{t:.4f};{1:.5f};{v:.4f}", short)

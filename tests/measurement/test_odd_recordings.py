@@ -361,3 +361,13 @@ def test_a_swing_without_noise_is_asked_whether_it_was_computed(noise, told):
     """A millionth of half a radian: no sensor on a bench reads so finely."""
     asked = "NO SENSOR IS SO QUIET: its noise is less than a millionth of the swing; was it computed, or smoothed?"
     assert looked_at(swing(noise=noise)) == [asked] * told
+
+
+def test_readings_in_coarse_steps_are_not_out_of_step_by_their_rounding():
+    long = np.arange(1500) / 25
+    signal = 0.055 * np.exp(-long / 30) * np.cos(4.5 * long)
+    rounded = 0.01 * np.round(signal / 0.01)
+    assert looked_at(rounded, long) == []
+    top = 200 + int(np.argmax(signal[200:235]))
+    lost = np.delete(rounded, range(top - 8, top + 8))
+    assert "out of step with the clock" in looked_at(lost, np.arange(lost.size) / 25)[0]

@@ -273,6 +273,21 @@ def test_too_few_samples(refused):
     refused("swing.csv", "0 samples", start_s=70)
 
 
+def test_a_start_that_counts_from_the_first_sample_of_stamped_times(refused, make, tmp_path):
+    """It would cut nothing off, and a hand or a rest in front no more."""
+    stamps = 1776529395.25 + TIME
+    refused(
+        "column",
+        "start_s, 0.5 s, is long before its first time, 1776529395.25 s",
+        "start_s: 1776529395.75",
+        time=stamps,
+        start_s=0.5,
+    )
+    assert make(time=stamps, start_s=1776529395.75)["time"][0] >= 1776529395.75
+    (tmp_path / "made.nc").unlink()
+    assert make(time=stamps, start_s=0).sizes["time"] == TIME.size
+
+
 def test_a_checksum_that_does_not_match(refused):
     refused("swing.csv", "sheet.csv", "sha256", "the checksum does not match", "0" * 64, sha256="0" * 64)
 

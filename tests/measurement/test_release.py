@@ -127,6 +127,22 @@ def test_a_rest_at_the_end_is_left_out_but_for_a_period(tmp_path):
     assert np.isnan(found.ends)  # what tells where friction stopped it stays
 
 
+def test_a_swing_of_one_step_of_the_reading_is_no_rest():
+    """A rangefinder that reads whole centimetres still sees a swing of one to either side."""
+    time = np.arange(3000) / 50
+    small = 0.06 * np.exp(-time / 30) * np.cos(6 * time)
+    (found,), _ = find_windows(time, 0.01 * np.round(small / 0.01), 0.0)
+    assert np.isnan(found.ends)
+
+
+def test_what_flickers_between_two_steps_rests():
+    time = np.arange(3000) / 50
+    signal = np.where(time < 20, 0.06 * (1 - time / 20) * np.cos(6 * time), 0.0)
+    noisy = signal + 0.0045 + 0.001 * np.random.default_rng(5).standard_normal(time.size)
+    (found,), _ = find_windows(time, 0.01 * np.round(noisy / 0.01), 0.0)
+    assert found.rests and 16 < found.ends < 23
+
+
 def test_a_pendulum_that_a_hand_stops_is_used_until_then():
     time = np.arange(1500) / 100
     signal = swing(time)

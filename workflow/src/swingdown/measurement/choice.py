@@ -36,6 +36,7 @@ LOOKED_FOR_NOISE = 20_000  # rows of which each column is looked at before it is
 # of the period of what swings beside it: so much later noise knows nothing of itself, a pendulum nearly all
 FORGETS = 1 / 8
 SURELY = 3.0  # standard errors of a correlation
+KEEPS = 0.5  # of itself an eighth of a period later: a swing 0.7, less what noise it has
 LOOKED_AT = 200_000  # rows of which each column is looked at before the swing is chosen
 
 
@@ -156,31 +157,44 @@ def _noise(table: Table, row: Row, values: Mapping[str, Floats]) -> list[str]:
     if "no header" in table.layout or row["signal_column"] or len(values) < 3:  # a time and two more
         return []
     found = _by_words(table, row)
-    if len(found) != 1 or (first := found[0]).kind not in (UNTOLD, VOLTAGE) or first.axis:
+    if len(found) != 1 or (first := found[0]).kind not in (UNTOLD, VOLTAGE, ANGLE) or first.axis:
         return []
     known = [table.meaning(name) for name in values]
     alike = [one.name for one in known if one.kind == first.kind and not one.axis]
     looked = {name: values[name][:LOOKED_FOR_NOISE] for name in alike}
     times = {name: np.arange(one.size, dtype=float) for name, one in looked.items()}
     swinging = _swinging(times, {name: one for name, one in looked.items() if not goes_on(one)})
+    lags = {name: _lag(looked[name]) for name in swinging}
+    swinging = [name for name, lag in lags.items() if _kept(looked[name], lag) > KEEPS]
     if len(swinging) != 1:
         return []
-    swing = looked[swinging[0]]
-    known_at = np.flatnonzero(np.isfinite(swing))
-    lag = max(1, round(FORGETS * half_swings(swing[known_at]).period(known_at.astype(float))))
-    noisy = [name for name, one in looked.items() if name not in swinging and _forgets(one, lag)]
+    (swing,) = swinging
+    noisy = [name for name, one in looked.items() if name != swing and _forgets(one, lags[swing])]
     return noisy if first.name in noisy else []
 
 
+def _lag(swing: Floats) -> int:
+    """After so many samples noise beside a swing has forgotten itself."""
+    known_at = np.flatnonzero(np.isfinite(swing))
+    return max(1, round(FORGETS * half_swings(swing[known_at]).period(known_at.astype(float))))
+
+
 def _forgets(signal: Floats, lag: int) -> bool:
-    """True for a column whose values say nothing of those ``lag`` samples later, nor half as many; what is not there is its mean."""
-    known = np.isfinite(signal)
-    if known.sum() < SHORTEST * lag:
+    """True for a column whose values say nothing of those ``lag`` samples later, nor half as many."""
+    known = np.count_nonzero(np.isfinite(signal))
+    if known < SHORTEST * lag:
         return False
+    most = max(abs(_kept(signal, k)) for k in (lag, max(1, lag // 2)))
+    return most < SURELY * float(
+        np.sqrt(lag / known)
+    )  # noise that lasts as long has so many values of its own
+
+
+def _kept(signal: Floats, lag: int) -> float:
+    """How much values correlate with those ``lag`` samples later; what is not there is their mean."""
+    known = np.isfinite(signal)
     about = np.where(known, signal - signal[known].mean(), 0.0)
-    error = float(np.sqrt(lag / known.sum()))  # noise that lasts as long has so many values of its own
-    most = max(abs(float(about[k:] @ about[:-k])) for k in (lag, max(1, lag // 2)))
-    return most < SURELY * error * float(about @ about)
+    return float(about[lag:] @ about[:-lag] / (about @ about))
 
 
 def with_running_time(table: Table, row: Row) -> tuple[Table, Row, list[str]]:

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from ...arrays import Bools, Floats
 from ...errors import InputError
+from ...rounding import moment
 from ..sheet import TIME_UNITS, Row
 from .columns import place_of
 from .source import Table
@@ -28,10 +29,12 @@ def series(
     """
     spoilt = {key: _Spoilt() for key in (time_column, *columns)}
     held, parts = 0, [[] for _ in (time_column, *columns, *beside)]  # type: ignore[var-annotated]
+    first, last_of_all = np.inf, -np.inf
     for rows, last in _with_last(table.pieces):
         piece = rows.iloc[:-1] if table.cut and last else rows
         lines = piece.index.to_numpy()
         times = table.numbers(piece, time_column) * TIME_UNITS[time_unit]
+        first, last_of_all = np.fmin.reduce(times, initial=first), np.fmax.reduce(times, initial=last_of_all)
         # NaN, of the times or of a limit, is neither
         inside = ~((times < row["start_s"]) | (times > row["stop_s"]))
         values = [table.numbers(piece[key], inside) for key in (*columns, *beside)]
@@ -43,6 +46,13 @@ def series(
         if (held := held + int(whole.sum())) > MOST:
             mend = "choose a part of it with ⟨start_s⟩ and ⟨stop_s⟩"
             raise InputError(row["file"], f"more than {MOST} samples", f"at most {MOST} in the window", mend)
+    # 0 is "from the first"; a start so long before counts from there, and not as the file does
+    if 0 < row["start_s"] < first - (last_of_all - first):
+        problem = f"⟨start_s⟩, {row['start_s']:g} s, is long before its first time, {moment(first, 9)} s: it cuts nothing off"
+        mend = f"write ⟨start_s={moment(first + row['start_s'], 9)}⟩, or leave it out"
+        raise InputError(
+            f"{row['file']}, {place_of(time_column)}", problem, "a time as the file counts it", mend
+        )
     told = [remark for key, one in spoilt.items() for remark in one.told(row["file"], key)]
     joined = []
     for pieces_of_one in parts:

@@ -80,7 +80,7 @@ def _out_of_step(times: Floats, signal: Floats) -> Floats:
     """When (s) a half-swing lasts longer or shorter than those beside it: samples lost at a turning point leave no jump.
 
     Each is compared with the second and fourth before and after it, for a zero beside the middle makes neighbours unequal. Noise
-    moves a passage of the middle the more, the smaller the swing.
+    moves a passage of the middle the more, the smaller the swing, and so does a reading that comes in steps, by up to half a step at either end.
     """
     swings = half_swings(signal)
     passed = passages(times, signal, swings.centre())
@@ -92,7 +92,9 @@ def _out_of_step(times: Floats, signal: Floats) -> Floats:
     off = lasts[4:-4] - beside
     sure = sizes[4:-4] / sizes.max()
     usual = float(np.median(np.abs(off) * sure)) / 0.6745
-    odd = (np.abs(off) * sure > JITTER * usual) & (np.abs(off) > OUT_OF_STEP * beside) & (sure > 0.05)
+    rounded = quantisation_step(signal) / (np.pi / beside * sizes[4:-4] / 2)  # s, at the speed in the middle
+    least = np.maximum(OUT_OF_STEP * beside, 2 * rounded)
+    odd = (np.abs(off) * sure > JITTER * usual) & (np.abs(off) > least) & (sure > 0.05)
     return (passed[4:-5] + lasts[4:-4] / 2)[odd]
 
 

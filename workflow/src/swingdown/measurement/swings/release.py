@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
+from scipy.ndimage import uniform_filter1d
 
 from ...arrays import Floats
 from ...errors import InputError
@@ -21,6 +22,9 @@ REST = 0.01  # of the range: less is rest
 LONG = 2.0  # periods of rest at the end, beyond which the rest is left out
 ENOUGH = 100  # samples a half-swing
 KEPT = 1.0  # period of rest that stays: it tells where friction stopped the pendulum
+NOISE = 5.0  # standard deviations: what is within them is at rest
+COARSE = 1.5  # steps of the reading: between two of them what rests may flicker
+MEAN, BETWEEN = 0.25, 0.6  # of a period, and steps: how far such means of what rests may be apart
 STAYS = 2.0  # times as long as a swing stays where it is at a turning point: what rests for longer about its middle does not swing yet
 
 
@@ -146,9 +150,17 @@ def _window(times: Floats, signal: Floats, part: Stretch) -> Window:
 
 
 def _rest(times: Floats, signal: Floats, period: float) -> float | None:
-    """Until when (s) the samples are used of a pendulum that has come to rest; None for one that has not, or not for long."""
+    """Until when (s) the samples are used of a pendulum that has come to rest; None for one that has not, or not for long.
+
+    Where the reading comes in coarse steps means over a part of a swing tell it: what rests between two steps has one mean.
+    """
+    still, step, size = _still(times, signal), quantisation_step(signal), float(np.ptp(signal))
+    if COARSE * step > REST * size:
+        part = max(1, round(MEAN * period / float(np.median(np.diff(times)))))
+        still = max(REST * size, BETWEEN * step, NOISE * noise_level(times, signal) / np.sqrt(part))
+        signal = uniform_filter1d(signal, part, mode="nearest")
     tail = signal[times > times[-1] - period]
-    moving = np.flatnonzero(np.abs(signal - np.median(tail)) > _still(times, signal))
+    moving = np.flatnonzero(np.abs(signal - np.median(tail)) > still)
     if not len(moving) or times[-1] - times[moving[-1]] < LONG * period:
         return None
     return float(times[moving[-1]] + KEPT * period)
@@ -171,7 +183,9 @@ def _stays_until(times: Floats, signal: Floats) -> float | None:
 
 def _still(times: Floats, signal: Floats) -> float:
     """How far from where it is a pendulum is at rest, in the signal's unit."""
-    return max(REST * float(np.ptp(signal)), 5 * noise_level(times, signal), 1.5 * quantisation_step(signal))
+    return max(
+        REST * float(np.ptp(signal)), 5 * noise_level(times, signal), COARSE * quantisation_step(signal)
+    )
 
 
 def within(window: Window, times: Floats) -> slice:
