@@ -5,7 +5,7 @@ import pytest
 from swingdown.pendulum.catalogue import catalogue
 from swingdown.studies.pendulums import NOT_DYING, SEARCH
 from swingdown.studies.turning_points import NOT_DAMPED
-from swingdown.studies.words import details, headline, lines, or_models, quantity_rows
+from swingdown.studies.words import details, headline, lines, notes, or_models, quantity_rows
 
 ROW = {
     "model": "viscous", "amplitude_rad": 0.5, "period_s": 0.87148, "period_s_u": 0.00026, "quality": 58.8, "quality_u": 1.9,
@@ -90,3 +90,9 @@ def test_a_decay_longer_than_the_record_is_said_to_be_extrapolated():
     assert (
         condition(40.0) == "from 28.6°" and condition(20.0) == "from 28.6°, extrapolated: the record has 20 s"
     )
+
+
+def test_an_empty_note_is_none():
+    """Of several recordings some may have one."""
+    assert notes({"note": ""}) == notes({}) == notes({"note": float("nan")}) == []
+    assert notes({"note": "one; two"}) == ["one", "two"]

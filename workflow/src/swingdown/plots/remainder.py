@@ -11,7 +11,6 @@ from matplotlib.figure import Figure
 from ..arrays import Floats
 from ..own_unit import axis, small, speed
 from ..own_unit import shown as shown_in
-from ..pendulum.catalogue import RATE
 from . import style
 
 _KNOWN = 0.3  # of a torque on the map must be determined by the data for it to be drawn
@@ -38,7 +37,7 @@ def remainder(
     left, right = upper.subplots(1, 2, width_ratios=(1.6, 1))
     drawn = _map(left, table, unit)
     upper.colorbar(drawn, ax=left, label=f"missing torque ({unit}/s²)", pad=0.02)
-    _sizes(right, told["lacks"], unit + "/s" * (told.get("reading") == RATE))
+    _sizes(right, told["lacks"], unit + "/s" * (told.get("reading") == "rate"))
     _course(lower.subplots(), course, unit)
     blank = "blank: not determined; small points: less than two standard errors"
     torque = "torque over inertia; what the model's own values imitate is open"

@@ -140,6 +140,7 @@ class _Spoken(Formatter):
         self.inner.set_axis(axis)
 
 
+@styled
 def in_language(figure: _F, spoken: Language) -> _F:
     """The figure with its texts and the decimal sign of its numbers in this language; a text that its catalogue has not stays English."""
     if spoken.code == ENGLISH:

@@ -251,7 +251,7 @@ def told_of(verdict: Mapping[str, Any], spoken: Language = IN_ENGLISH) -> str:
 def notes(row: Mapping[str, Any]) -> list[str]:
     """What is to be known of the values of a row beside their uncertainties, a sentence each."""
     note = row.get("note")
-    return note.split("; ") if isinstance(note, str) else []
+    return note.split("; ") if isinstance(note, str) and note else []
 
 
 def said(verdict: Mapping[str, Any]) -> tuple[str, str]:
