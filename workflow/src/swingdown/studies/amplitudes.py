@@ -21,6 +21,7 @@ from .turning_points import turns_of
 _TURN, _PASS = 0.22, 0.25
 _WIDEST = 0.45  # of a half-swing: how far a window reaches where there are few samples; it finds a turn to 2e-4 of it
 _MORE = 2  # samples beyond the coefficients of a polynomial, so that it leaves something
+_WAVE = 0.48  # of a half-swing on each side, of which a sine is fitted
 _ASTRAY = 0.1  # of a half-swing: a swing that turns farther than that from its middle is no sine
 _ABOVE = 5.0  # standard deviations of the noise that a swing goes beyond: the passage through the middle is then its own
 
@@ -63,11 +64,17 @@ def half_swings_of(data: xr.Dataset, restoring: str = "sine") -> HalfSwings:
 
 
 def of_samples(
-    name: str, times: Floats, angle: Floats, scaled: bool = True, quiet: Floats | None = None
+    name: str,
+    times: Floats,
+    angle: Floats,
+    scaled: bool = True,
+    quiet: Floats | None = None,
+    sine: bool = False,
 ) -> HalfSwings:
     """The half-swings of a sampled swing: times (s) and angle (rad), both of shape (sample,), whose scale is known if ``scaled``.
 
-    ``quiet`` is the same swing without its noise, by which its passages and sides are told; None where it has little. InputError, which names
+    ``quiet`` is the same swing without its noise, by which its passages and sides are told; None where it has little. With ``sine`` turns
+    are told from waves through whole half-swings, where these are surer than polynomials about the turns. InputError, which names
     the recording, if there are fewer than four half-swings, or too few samples in each.
     """
     quiet = angle if quiet is None else quiet
@@ -94,6 +101,10 @@ def of_samples(
         problem = f"only {each:.2g} samples in each half-swing"
         raise InputError(f"recording {name}", problem, "at least ten", "record with more samples a second")
     number = np.concatenate([[0], np.cumsum(steps_between(half))])
+    if sine:
+        waves = _waves(times, angle, centres, half)
+        surer = np.nanmedian(waves.vertex(_noise(waves))[2]) < np.nanmedian(turns.vertex(noise)[2])
+        turns = waves if surer else turns
     place, size, u_size = turns.vertex(noise)
     at, u_at, slope = passes.root(noise)
     single = np.diff(number) == 1
@@ -247,6 +258,39 @@ def _polynomials(times: Floats, values: Floats, centres: Floats, widths: Floats,
     squares = np.bincount(window, left**2, centres.size)
     freedom = (size - degree - 1).astype(float)
     return _Local(found, inverse, centres, widths, np.asarray(squares, dtype=float), freedom)
+
+
+def _waves(times: Floats, values: Floats, centres: Floats, half: Floats) -> _Local:
+    """Half-waves through the samples of each half-swing (s) as parabolas at its turn: a mean, a cosine and a sine, with a third harmonic that
+    grows as the cosine's cube, as a pendulum's and a spring's do, alike in all."""
+    width = _WAVE * half
+    first, last = times.searchsorted(centres - width), times.searchsorted(centres + width, "right")
+    size = last - first
+    inside = np.arange(int(size.sum())) - np.repeat(np.cumsum(size) - size, size) + np.repeat(first, size)
+    window = np.repeat(np.arange(centres.size), size)
+    phase = np.pi * (times[inside] - centres[window]) / half[window]
+    forms = np.stack([np.ones_like(phase), np.cos(phase), np.sin(phase)])
+    series = values[inside], np.cos(3 * phase)
+
+    def moments(*of: Floats) -> Floats:
+        sums = [[np.bincount(window, one * form, centres.size) for one in of] for form in forms]
+        return np.moveaxis(np.array(sums, dtype=float), -1, 0)
+
+    normal = moments(*forms)
+    usable = (size >= len(forms) + _MORE) & (np.linalg.cond(normal) < 1e8)
+    inverse, found = np.full(normal.shape, np.nan), np.full((centres.size, 3, 2), np.nan)
+    inverse[usable] = np.linalg.inv(normal[usable])
+    found[usable] = inverse[usable] @ moments(*series)[usable]
+    left = [one - np.sum(forms.T * found[window, :, k], axis=1) for k, one in enumerate(series)]
+    known, size_of = np.isfinite(left[0]), found[:, 1, 0]
+    harmonic = size_of[window] ** 3 * left[1]
+    share = left[0][known] @ harmonic[known] / max(harmonic[known] @ harmonic[known], 1e-300)
+    squares = np.bincount(window, (left[0] - share * harmonic) ** 2, centres.size).astype(float)
+    turn = np.array([[1, 1, 0], [0, 0, np.pi * _WAVE], [0, -((np.pi * _WAVE) ** 2) / 2, 0]])
+    coefficients = found[:, :, 0] @ turn.T
+    # what the harmonic adds to a turn beside what mean and cosine have taken of it
+    coefficients[:, 0] += share * size_of**3 * (1 - found[:, 0, 1] - found[:, 1, 1])
+    return _Local(coefficients, turn @ inverse @ turn.T, centres, width, squares, (size - 3).astype(float))
 
 
 def _noise(*parts: _Local) -> float:

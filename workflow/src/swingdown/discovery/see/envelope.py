@@ -66,14 +66,20 @@ NOT_SEEN = Seen(np.nan, np.inf, np.inf)
 
 
 def amplitudes(campaign: Campaign, natural_frequency: float, restoring: str) -> tuple[Stretch, ...]:
-    """The amplitudes of a campaign's swings, which in one recording go on from part to part; none where a drive acts on them: what it
-    gives is no loss."""
-    swings = (*campaign.fit, *campaign.holdout)
-    if any(one.drive is not None for one in swings):
+    """The amplitudes of a campaign's swings, which in one recording go on from part to part, from turns or from whole half-swings, whichever
+    err less beside all laws; none where a drive acts on them: what it gives is no loss."""
+    if any(one.drive is not None for one in (*campaign.fit, *campaign.holdout)):
         return ()
+    found = [_told(campaign, natural_frequency, restoring, sine) for sine in (False, True)]
+    return min(found, key=lambda of: _errs(of)[0])
+
+
+def _told(campaign: Campaign, natural_frequency: float, restoring: str, sine: bool) -> tuple[Stretch, ...]:
+    """The same, from whole half-swings or not."""
+    swings = (*campaign.fit, *campaign.holdout)
 
     def of(one: Swing) -> Floats:
-        table = half_swings(one.times, one.angle, natural_frequency, restoring, campaign.reading)
+        table = half_swings(one.times, one.angle, natural_frequency, restoring, campaign.reading, sine)
         return table[["time_s", "amplitude_rad"]].to_numpy()
 
     found = [(of(one), one.times[0]) for one in swings]
@@ -113,14 +119,11 @@ def seen(of: Sequence[Stretch], laws: Collection[int], possible: float = USUAL.p
     """What losses as these powers of the amplitude do for the envelope, beside losses as the others. A law is none of theirs below
     this probability."""
     fitted = np.concatenate([one.fitted for one in of]) if of else np.zeros(0, bool)
-    free = sum(bool(one.fitted.any()) for one in of) + (of[0].lost.shape[1] if of else 0)
-    count = int(np.count_nonzero(fitted))
+    count, free = int(np.count_nonzero(fitted)), _free(of)
     if count <= free or fitted.all():
         return NOT_SEEN
     left, lacked = _left(of, ()), _left(of, laws)
-    now = left[fitted]
-    memory = max(float(np.sum(now[1:] * now[:-1]) / np.sum(now**2)), 0.0)
-    alike = (1 + memory) / (1 - memory)  # amplitudes that err as one, and so much more of their noise is slow
+    now, (_, alike) = left[fitted], _errs(of)
     counts = (count - free) / alike
 
     def evidence(without: Collection[int]) -> float:
@@ -137,6 +140,22 @@ def seen(of: Sequence[Stretch], laws: Collection[int], possible: float = USUAL.p
         _ratio(of_loss[which], left[which], lacked[which], alike) for which in (fitted, ~fitted)
     )
     return Seen(-evidence(laws), share, held_out, may_be)
+
+
+def _free(of: Sequence[Stretch]) -> int:
+    """How many values are fitted to amplitudes."""
+    return sum(bool(one.fitted.any()) for one in of) + (of[0].lost.shape[1] if of else 0)
+
+
+def _errs(of: Sequence[Stretch]) -> tuple[float, float]:
+    """The RMS by which amplitudes err beside all laws, if what errs as one counts once, and how many do; infinite where nothing tells."""
+    fitted = np.concatenate([one.fitted for one in of]) if of else np.zeros(0, bool)
+    if np.count_nonzero(fitted) <= _free(of):
+        return np.inf, np.inf
+    now = _left(of, ())[fitted]
+    memory = max(float(np.sum(now[1:] * now[:-1]) / np.sum(now**2)), 0.0)
+    alike = (1 + memory) / (1 - memory)
+    return float(np.sqrt(np.mean(now**2) * alike)), alike
 
 
 def _ratio(of_loss: Floats, now: Floats, then: Floats, alike: float) -> float:

@@ -23,7 +23,12 @@ _QUANTITIES = ("energy_loss", "period_ratio", "midpoint_rad")
 
 
 def half_swings(
-    times: Floats, angle: Floats, natural_frequency: float, restoring: str = "sine", reading: str = ANGLE
+    times: Floats,
+    angle: Floats,
+    natural_frequency: float,
+    restoring: str = "sine",
+    reading: str = ANGLE,
+    sine: bool = False,
 ) -> pd.DataFrame:
     """A table, one row a half-swing: amplitude, loss, half-period and mid-point.
 
@@ -38,6 +43,8 @@ def half_swings(
     reading
         ``angle`` or ``rate``. Of a rate the turning points are where it is fastest: each stands for the angle that it reaches by the
         energy it has there, and the mid-point is not known.
+    sine
+        Whether amplitudes are told from whole half-swings, where these follow a sine: surer beside noise, and too small by a common factor.
 
     Returns
     -------
@@ -50,7 +57,7 @@ def half_swings(
         times, angle = _between(times, angle)
     quiet = calmed(times, angle, ends_quiet=False) if reading == RATE else None
     try:
-        found = of_samples("", times, angle, quiet=quiet)
+        found = of_samples("", times, angle, quiet=quiet, sine=sine)
     except InputError:  # too few half-swings, or too few samples in each
         return pd.DataFrame(columns=COLUMNS, dtype=float)
     when, where, number = found.times, found.angle + found.centre, found.number
