@@ -15,6 +15,7 @@ import argparse
 import time
 import warnings
 from collections import Counter
+from contextlib import suppress
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -153,17 +154,19 @@ def main(argv=None):
             one = one._replace(planned=one.planned._replace(noise=given.noise))
         sized = all(SHIPPED[name].size for name in one.planned.hidden if name in SHIPPED.names)
         trial = drawn(given.seed, one.planned, design=one.design) if sized else None
-        if trial is not None and one.misfit:
-            try:
+        made = []
+        with suppress(ArithmeticError):  # a motion that leaves what a pendulum does
+            if trial is not None and one.misfit:
                 trial = trials.with_misfit(trial, given.seed, one.misfit)
-            except ArithmeticError:
-                trial = None
-        if trial is None:
+            made = [
+                Swing(str(k), *pair)
+                for k, pair in enumerate(trials.swings(trial, given.seed) if trial else ())
+            ]
+        if not made:
             continue
         names, lacking = begun(one)
         there = {name for name in (*trial.hidden, *lacking) if name in SHIPPED.names}
         gone = trial.hidden if one.planned.kind == "removed" else ()
-        made = [Swing(str(k), *pair) for k, pair in enumerate(trials.swings(trial, given.seed))]
         began = time.process_time()
         try:
             base = Model(names, restoring=one.design.restoring).of(one.design.reading)
