@@ -12,6 +12,7 @@ from swingdown.discovery.data.campaign import Swing, campaign
 from swingdown.discovery.data.noise import Noise
 from swingdown.discovery.judge.findings import _shown, judged, told_of
 from swingdown.discovery.judge.structures import Pool
+from swingdown.discovery.see import envelope
 from swingdown.discovery.see.envelope import Seen, _stretch, amplitudes, seen
 from swingdown.engine.trajectory import simulate
 from swingdown.fitting.least_squares import fit_jointly
@@ -70,6 +71,30 @@ def test_a_loss_is_seen_in_a_film_of_few_images():
     assert found.gain == pytest.approx(known.gain, rel=0.5)
     none = shown(swings(times=np.arange(0, 24, 0.09)), FRICTION)
     assert not (none.chance > 0.95 and none.share < 0.2 and none.held_out < 0.5)
+
+
+def test_beside_noise_whole_half_swings_show_a_loss_more_surely():
+    one, rng = swings("quadratic_drag"), np.random.default_rng(7)
+    loud = [replace(k, angle=k.angle + 0.02 * rng.standard_normal(k.times.size)) for k in one.whole]
+    one = campaign("loud", loud)
+    by_turns = seen(envelope._told(one, 7.0, "sine", False), SQUARE)
+    assert shown(one, SQUARE).gain > 1.5 * by_turns.gain > 0
+
+
+def test_amplitudes_are_those_that_err_less_beside_all_laws(monkeypatch):
+    """Whole half-swings of a film that loses a frame now and then are off slowly, turns from one to the next."""
+    one = swings("quadratic_drag")
+    real = envelope.half_swings
+
+    def worse(*arguments):
+        table = real(*arguments)
+        wave = 0.02 * np.sin(np.arange(len(table)) / 2) if arguments[-1] else 0.0
+        return table.assign(amplitude_rad=table["amplitude_rad"] + wave)
+
+    monkeypatch.setattr(envelope, "half_swings", worse)
+    kept = [part.sizes for part in amplitudes(one, 7.0, "sine")]
+    for part, own in zip(envelope._told(one, 7.0, "sine", False), kept, strict=True):
+        np.testing.assert_array_equal(part.sizes, own)
 
 
 @pytest.mark.parametrize("hidden", ["viscous", "quadratic_drag"])

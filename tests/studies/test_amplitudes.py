@@ -98,6 +98,27 @@ def test_a_swing_ends_where_the_first_turn_is_lost_in_the_noise():
 
 
 @pytest.mark.parametrize(
+    ("size", "noise", "gained"), [(0.3, 2e-3, 0.75), (1.0, 1e-2, 0.7), (1.8, 1e-2, 0.7), (1.0, 0.0, 1.01)]
+)
+def test_whole_half_swings_tell_turns_surer_beside_noise_and_are_not_asked_without(size, noise, gained):
+    """Of a weight: its swings are no sine, and the wider the less. The second value is the noise, the third what is left of the errors."""
+    model = Model("viscous", {"natural_frequency": 6.0, "viscous_ratio": 0.004})
+    times, often = np.arange(1200) / 40, np.arange(120000) / 4000
+    truth = of_samples("", often, simulate(model, often, size))
+    read = simulate(model, times, size) + noise * np.random.default_rng(1).standard_normal(times.size)
+    errors = []
+    for sine in (False, True):
+        found = of_samples("", times, read, sine=sine)
+        assert np.array_equal(found.number, truth.number[: found.number.size])
+        off = np.abs(found.angle) - np.abs(truth.angle[: found.angle.size])
+        errors.append(np.sqrt(np.mean(off**2)))
+        if noise:
+            assert errors[-1] == pytest.approx(np.median(found.u_angle), rel=0.35)
+            assert abs(off.mean()) < 4 * errors[-1] / np.sqrt(off.size)
+    assert errors[1] < gained * errors[0]
+
+
+@pytest.mark.parametrize(
     "duration, step, told",
     [(1.5, 0.01, "it passes its middle 3 times"), (20.0, 0.2, "samples in each half-swing")],
 )
