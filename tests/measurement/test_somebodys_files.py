@@ -332,7 +332,7 @@ def test_of_a_bodys_angles_the_one_that_swings_is_taken(take):
     noise = 0.01 * np.random.default_rng(24).standard_normal((2, TIME.size))
     made = take("time,roll,pitch,yaw\n" + rows(TIME, noise[0], SWING, 3 + 0.2 * TIME + noise[1]))
     assert made["signal"].values == pytest.approx(SWING, abs=1e-6)
-    assert "of 3 angles `pitch` swings" in made.attrs["remarks"]
+    assert "`roll` holds noise alone: left out; of 2 angles `pitch` swings" in made.attrs["remarks"]
     with pytest.raises(InputError, match="2 of its columns swing.*: roll, pitch"):
         take("time,roll,pitch,yaw\n" + rows(TIME, 0.3 * SWING, SWING, noise[1]))
 
