@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from ..arrays import Floats
 from ..calmed import calmed
@@ -24,6 +25,8 @@ _MORE = 2  # samples beyond the coefficients of a polynomial, so that it leaves 
 _WAVE = 0.48  # of a half-swing on each side, of which a sine is fitted
 _ASTRAY = 0.1  # of a half-swing: a swing that turns farther than that from its middle is no sine
 _ABOVE = 5.0  # standard deviations of the noise that a swing goes beyond: the passage through the middle is then its own
+
+_Places = NDArray[np.intp]
 
 
 class HalfSwings(NamedTuple):
@@ -236,12 +239,17 @@ def _zero(coefficients: Floats) -> Floats:
     return at
 
 
-def _polynomials(times: Floats, values: Floats, centres: Floats, widths: Floats, degree: int) -> _Local:
-    """Polynomials of that degree through the samples within ``widths`` (s) of each of ``centres``; nan where there are too few."""
+def _windows(times: Floats, centres: Floats, widths: Floats) -> tuple[_Places, _Places, _Places]:
+    """How many samples are within ``widths`` (s) of each of ``centres``; which they are, one window after the other, and the window of each."""
     first, last = times.searchsorted(centres - widths), times.searchsorted(centres + widths, "right")
     size = last - first
     inside = np.arange(int(size.sum())) - np.repeat(np.cumsum(size) - size, size) + np.repeat(first, size)
-    window = np.repeat(np.arange(centres.size), size)
+    return size, inside, np.repeat(np.arange(centres.size), size)
+
+
+def _polynomials(times: Floats, values: Floats, centres: Floats, widths: Floats, degree: int) -> _Local:
+    """Polynomials of that degree through the samples within ``widths`` (s) of each of ``centres``; nan where there are too few."""
+    size, inside, window = _windows(times, centres, widths)
     place = (times[inside] - centres[window]) / widths[window]
     order = np.arange(degree + 1)
     powers = place ** np.arange(2 * degree + 1)[:, np.newaxis]
@@ -264,10 +272,7 @@ def _waves(times: Floats, values: Floats, centres: Floats, half: Floats) -> _Loc
     """Half-waves through the samples of each half-swing (s) as parabolas at its turn: a mean, a cosine and a sine, with a third harmonic that
     grows as the cosine's cube, as a pendulum's and a spring's do, alike in all."""
     width = _WAVE * half
-    first, last = times.searchsorted(centres - width), times.searchsorted(centres + width, "right")
-    size = last - first
-    inside = np.arange(int(size.sum())) - np.repeat(np.cumsum(size) - size, size) + np.repeat(first, size)
-    window = np.repeat(np.arange(centres.size), size)
+    size, inside, window = _windows(times, centres, width)
     phase = np.pi * (times[inside] - centres[window]) / half[window]
     forms = np.stack([np.ones_like(phase), np.cos(phase), np.sin(phase)])
     series = values[inside], np.cos(3 * phase)

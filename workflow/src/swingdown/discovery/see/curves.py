@@ -10,7 +10,7 @@ from scipy.optimize import minimize_scalar
 from ...arrays import Floats
 from ...pendulum.effect import NATURAL_FREQUENCY
 from ..data.noise import Noise
-from .green import Motion, motions_of, responses
+from .green import Motion, motions_of, reach, responses
 from .linear import Frame
 
 COLUMNS = ["over", "part", "x", "torque", "band"]
@@ -32,8 +32,7 @@ class Form(NamedTuple):
 def forms(frame: Frame) -> dict[str, Form]:
     """The ``Form`` over ``position``, ``velocity`` and ``time`` of what a fit's swings reach."""
     motions, natural = motions_of(frame), frame.fit.model.values[NATURAL_FREQUENCY.name]
-    largest = max(float(np.max(np.abs(one.angle))) for one in motions)
-    fastest = max(float(np.max(np.abs(one.speed))) for one in motions)
+    largest, fastest = reach(motions)
     x, v, since = np.linspace(-1, 1, _POINTS), np.linspace(0, 1, _POINTS), np.linspace(0, 1, _POINTS)
     # each part of the time is drawn where it is seen: a drag at the largest speed, a stiffness at the largest angle
     seen = _over_time(fastest / natural, largest, since)
@@ -97,24 +96,16 @@ def _estimate(frame: Frame, columns: Floats, noise: Noise) -> tuple[Floats, Floa
     residual = frame.outside(frame.residual)
     seen = left.T @ residual
     whole = float(residual @ residual)
-    found = _most_likely(singular, seen, noise.slow_variance, whole, frame.samples)
+    power, kept = _most_likely(singular, seen, noise.slow_variance, whole, frame.samples)
     along = right.T / size[:, None]
-    mean = found.kept * seen / np.maximum(singular, 1e-300)
-    return along @ mean, (along * (found.size * (1 - found.kept))) @ along.T
+    mean = kept * seen / np.maximum(singular, 1e-300)
+    return along @ mean, (along * (power * (1 - kept))) @ along.T
 
 
-class _Shrunk(NamedTuple):
-    """How large coefficients most likely are: their variance ``size``, the share of each that the data determine (``kept``), the variance that
-    counts as noise, and the sum of squares that is left."""
-
-    size: float
-    kept: Floats
-    variance: float
-    left: float
-
-
-def _most_likely(singular: Floats, seen: Floats, variance: float, whole: float, samples: int) -> _Shrunk:
-    """The ``_Shrunk`` of most evidence for coefficients along directions that do so much to the readings (``singular``), of which the
+def _most_likely(
+    singular: Floats, seen: Floats, variance: float, whole: float, samples: int
+) -> tuple[float, Floats]:
+    """(variance, share of each that the data determine) of most evidence for coefficients along directions that do so much to the readings (``singular``), of which the
     residual, whose sum of squares is ``whole``, has so much (``seen``). What is left of it beyond the noise's ``variance`` counts as noise."""
     for _ in range(3):
 
@@ -127,4 +118,4 @@ def _most_likely(singular: Floats, seen: Floats, variance: float, whole: float, 
         kept = size * singular**2 / (variance + size * singular**2)
         squares = whole - float(np.sum((1 - (1 - kept) ** 2) * seen**2))
         variance = max(variance, squares / samples)
-    return _Shrunk(size, kept, variance, squares)
+    return size, kept

@@ -18,8 +18,8 @@ from ...arrays import Bools, Floats
 from ...fitting.result import Fit
 from ..data.campaign import Swing
 from ..data.noise import Noise
-from .green import motion
-from .kinds import KINDS, SMOOTH, reach, rubs, units
+from .green import motion, reach
+from .kinds import KINDS, SMOOTH, rubs, units
 from .linear import Frame
 from .restricted import At, Likelihood, least
 
@@ -111,6 +111,7 @@ class Unnamed:
             motions.append(motion(one.model, coarse, one.release_angle, one.release_velocity))
         self._worked, self._kinds = units(motions, alike)
         self.reach, self.recordings = reach(motions), 1 if alike else len(motions)
+        self._rubs = rubs(self.recordings)
         self._set(noise)
 
     def under(self, noise: Noise) -> "Unnamed":
@@ -128,7 +129,6 @@ class Unnamed:
         self._directions, along = _reduced(np.concatenate(news), self._kinds)
         self._parts = [along[:, self._kinds == kind] for kind in range(self._kinds[-1] + 1)]
         self._kernels = np.stack([part @ part.T for part in self._parts])
-        self._rubs = rubs(self.recordings)
         self._most = self._first_order() if self._alike else np.inf
 
     def beside(self, frame: Frame) -> Discrepancy:

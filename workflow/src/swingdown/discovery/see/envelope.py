@@ -71,7 +71,7 @@ def amplitudes(campaign: Campaign, natural_frequency: float, restoring: str) -> 
     if any(one.drive is not None for one in (*campaign.fit, *campaign.holdout)):
         return ()
     found = [_told(campaign, natural_frequency, restoring, sine) for sine in (False, True)]
-    return min(found, key=lambda of: _errs(of)[0])
+    return min(found, key=_errs)
 
 
 def _told(campaign: Campaign, natural_frequency: float, restoring: str, sine: bool) -> tuple[Stretch, ...]:
@@ -123,7 +123,8 @@ def seen(of: Sequence[Stretch], laws: Collection[int], possible: float = USUAL.p
     if count <= free or fitted.all():
         return NOT_SEEN
     left, lacked = _left(of, ()), _left(of, laws)
-    now, (_, alike) = left[fitted], _errs(of)
+    now = left[fitted]
+    alike = _alike(now)
     counts = (count - free) / alike
 
     def evidence(without: Collection[int]) -> float:
@@ -147,15 +148,19 @@ def _free(of: Sequence[Stretch]) -> int:
     return sum(bool(one.fitted.any()) for one in of) + (of[0].lost.shape[1] if of else 0)
 
 
-def _errs(of: Sequence[Stretch]) -> tuple[float, float]:
-    """The RMS by which amplitudes err beside all laws, if what errs as one counts once, and how many do; infinite where nothing tells."""
+def _errs(of: Sequence[Stretch]) -> float:
+    """The RMS by which amplitudes err beside all laws, if what errs as one counts once; infinite where nothing tells."""
     fitted = np.concatenate([one.fitted for one in of]) if of else np.zeros(0, bool)
     if np.count_nonzero(fitted) <= _free(of):
-        return np.inf, np.inf
+        return np.inf
     now = _left(of, ())[fitted]
-    memory = max(float(np.sum(now[1:] * now[:-1]) / np.sum(now**2)), 0.0)
-    alike = (1 + memory) / (1 - memory)
-    return float(np.sqrt(np.mean(now**2) * alike)), alike
+    return float(np.sqrt(np.mean(now**2) * _alike(now)))
+
+
+def _alike(left: Floats) -> float:
+    """How many amplitudes err as one, by what is left of them: so much more of their noise is slow."""
+    memory = max(float(np.sum(left[1:] * left[:-1]) / np.sum(left**2)), 0.0)
+    return (1 + memory) / (1 - memory)
 
 
 def _ratio(of_loss: Floats, now: Floats, then: Floats, alike: float) -> float:

@@ -60,6 +60,12 @@ def motion(model: Model, swing: Swing, angle: float, velocity: float) -> Motion:
     return Motion(times, course, speed, pull, read, at)
 
 
+def reach(motions: Sequence[Motion]) -> tuple[float, float]:
+    """The largest angle (rad) and speed (rad/s) of these motions."""
+    largest = max(float(np.max(np.abs(one.angle))) for one in motions)
+    return largest, max(float(np.max(np.abs(one.speed))) for one in motions)
+
+
 def response(one: Motion, torques: Floats) -> Floats:
     """What torques (time of the grid, any), in rad/s^2, do to the reading at the samples (sample, any), to first order."""
     moved = [
@@ -89,8 +95,7 @@ class Plane(NamedTuple):
 
 def plane(motions: Sequence[Motion], angles: int, speeds: int) -> Plane:
     """The ``Plane`` with so many nodes, as far as these motions reach."""
-    largest = max(float(np.max(np.abs(one.angle))) for one in motions)
-    fastest = max(float(np.max(np.abs(one.speed))) for one in motions)
+    largest, fastest = reach(motions)
     nodes = np.linspace(-1, 1, angles), np.linspace(0, 1, speeds)
     torques = [over_both(one.angle / largest, one.speed / fastest, *nodes) for one in motions]
     return Plane(largest * nodes[0], fastest * nodes[1], torques)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import Floats
-from .green import Motion, hats, over_both, response
+from .green import Motion, hats, over_both, reach, response
 
 DISSIPATIVE = "dissipative"
 KINDS = ("restoring", DISSIPATIVE, "time", "sensor")
@@ -20,13 +20,6 @@ _KEPT = 1e-5  # of the largest variance of a kind: directions that have less are
 # nodes over angle, and how far they hang together, of a torque that is there at some angles only
 _FINE = 25, 0.12
 _EACH = 3  # torques of each smoothness
-
-
-def reach(motions: Sequence[Motion]) -> tuple[float, float]:
-    """The largest angle (rad) and speed (rad/s) of these motions."""
-    angles, speeds = ([float(np.max(np.abs(series))) for series in of]
-                      for of in ([one.angle for one in motions], [one.speed for one in motions]))  # fmt: skip
-    return max(angles), max(speeds)
 
 
 def units(motions: Sequence[Motion], alike: bool = False) -> tuple[list[Floats], NDArray[np.intp]]:

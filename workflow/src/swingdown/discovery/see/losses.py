@@ -44,7 +44,7 @@ def half_swings(
         ``angle`` or ``rate``. Of a rate the turning points are where it is fastest: each stands for the angle that it reaches by the
         energy it has there, and the mid-point is not known.
     sine
-        Whether amplitudes are told from whole half-swings, where these follow a sine: surer beside noise, and too small by a common factor.
+        Whether amplitudes are told from whole half-swings, where these tell them surer than the turns.
 
     Returns
     -------

@@ -184,7 +184,7 @@ def _stays_until(times: Floats, signal: Floats) -> float | None:
 def _still(times: Floats, signal: Floats) -> float:
     """How far from where it is a pendulum is at rest, in the signal's unit."""
     return max(
-        REST * float(np.ptp(signal)), 5 * noise_level(times, signal), COARSE * quantisation_step(signal)
+        REST * float(np.ptp(signal)), NOISE * noise_level(times, signal), COARSE * quantisation_step(signal)
     )
 
 
