@@ -9,10 +9,8 @@ from scipy.integrate import solve_ivp
 from swingdown.discovery.budget import Budget
 from swingdown.discovery.data.campaign import Swing, campaign
 from swingdown.discovery.data.noise import Noise
-from swingdown.discovery.move.candidates import starts_to_add
-from swingdown.discovery.move.evidence import Candidate, evidence
 from swingdown.discovery.move.laws import with_each_law
-from swingdown.discovery.move.ranking import _from_the_best, in_place_of
+from swingdown.discovery.move.ranking import in_place_of, ranking
 from swingdown.discovery.rounds import first_fit
 from swingdown.discovery.search import discover
 from swingdown.discovery.see.linear import bounded, frame
@@ -21,13 +19,12 @@ from swingdown.discovery.tell.verdict import verdict
 from swingdown.engine.trajectory import simulate
 from swingdown.fitting.least_squares import fit_jointly
 from swingdown.pendulum.model import Model
+from swingdown_trials.schedule import Planned, drawn
+from swingdown_trials.trial import USUAL, swings
 
 TIMES = np.arange(501) / 50  # s
 NOISE = 1e-3  # rad
 TRUE = Model("viscous+quadratic_drag", {"natural_frequency": 7.0, "viscous_ratio": 0.006, "quadratic_coefficient": 0.004})  # fmt: skip
-
-
-VALUES = {**TRUE.values, "power_law_coefficient": 0.3, "power_law_exponent": 1.8}
 
 
 @pytest.fixture(scope="module")
@@ -41,24 +38,26 @@ def drag():
     return campaign("drag", swings)
 
 
-@pytest.mark.parametrize(("added", "dropped"), [("quadratic_drag", "viscous"), ("power_law_drag", None)])
-def test_a_rival_in_a_false_minimum_begins_anew_beside_what_the_best_has(drag, added, dropped):
-    """What has one effect more does no worse than the exchange that beat it, and what damps is not judged from the base's own damping."""
-    begun = first_fit(drag, Model("viscous"))
-    law = Model(added if dropped else f"viscous+{added}")
-    model = Model(law.label, {name: VALUES[name] for name in law.parameters})
-    best = fit_jointly(model, [swing.pair for swing in drag.fit], guess=model, bounded=True)
-    here, noise = frame(begun, drag.fit), Noise(NOISE)
-    assert best.rss < begun.rss
-    found = [
-        Candidate(added, dropped, best, evidence(best, noise)),
-        Candidate("quadratic_drag", None, begun, evidence(begun, noise)),
-    ]
-    moves = [starts_to_add(here, name) for name in ("quadratic_drag", "cubic_stiffness")]
-    again = _from_the_best(found, moves, here, noise, Budget())
-    (drags,) = [one for one in again if one.added == "quadratic_drag" and one.dropped is None]
-    assert drags.fit.rms == pytest.approx(NOISE, rel=0.05)
-    assert all(one.added != "cubic_stiffness" for one in again)
+@pytest.fixture(scope="module")
+def stopped():
+    """(A campaign in which a constant torque leaves five times the noise and friction stops the swings, that noise in rad, the base's frame)."""
+    trial = drawn(281301, Planned("single", ("constant_torque",), 5.0, "white", 56))
+    one = campaign("one", [Swing(str(k), *pair) for k, pair in enumerate(swings(trial, 281301))])
+    return one, trial.sigma, frame(first_fit(one, Model(USUAL.base)), one.fit)
+
+
+def test_an_effect_is_led_out_of_the_many_minima_of_friction(stopped):
+    one, noise, here = stopped
+    (found,) = [move for move in ranking(here, Noise(noise), {"constant_torque"}) if not move.dropped]
+    assert found.fit.rms < 1.01 * noise
+
+
+def test_so_is_a_rival_in_the_place_of_another_effect(stopped):
+    one, noise, here = stopped
+    (wrong,) = [move for move in ranking(here, Noise(noise), {"eccentricity"}) if not move.dropped]
+    there = frame(wrong.fit, one.fit)
+    (found,) = in_place_of(there, Noise(noise), "eccentricity", {"constant_torque"})
+    assert found.fit.rms < 1.01 * noise < wrong.fit.rms
 
 
 def test_a_bounded_step_is_the_same_in_any_unit():

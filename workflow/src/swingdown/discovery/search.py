@@ -239,7 +239,7 @@ class _Search:
         while True:
             best = self.pool.best
             try:
-                fit = refit(best.fit.begin, self.campaign.fit, grown=False, ended=True)
+                fit = refit(best.fit.begin, self.campaign.fit, ended=True)
             except TrajectoryError:
                 return best
             if not fit.rss < best.fit.rss * (1 - 1e-9):
@@ -300,7 +300,7 @@ class _Search:
         laws = damping(last.fit.model)
         for _, fit in self.pool.counting(laws):
             with suppress(TrajectoryError):
-                self.pool.look(refit(fit.begin, self.campaign.fit, grown=False, ended=True))
+                self.pool.look(refit(fit.begin, self.campaign.fit, ended=True))
         return self.pool.counting(laws)
 
     def _restored(self, fit: Fit, name: str, old: str) -> Fit:

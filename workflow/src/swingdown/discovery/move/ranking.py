@@ -1,7 +1,6 @@
 """Which effect is missing: every move refitted from several starts, inadmissible ones refused, ranked by evidence."""
 
 from collections.abc import Collection, Iterable, Sequence
-from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -18,20 +17,15 @@ from .candidates import Start, additions, starts_to_add, starts_to_drop, starts_
 from .evidence import TIE, Candidate, best_first, evidence
 from .mimics import mimics
 from .pairs import plain, starts_of_pairs
-from .refit import nudged, refit, refit_by_the_widest, widened, with_effect
+from .refit import refit, refit_by_the_widest, with_effect
 
 ENDLESS = Budget()
 _PROMISING = 0.05  # of the best predicted gain: candidates below are not refitted, a linear step already tells them off
-_HOPEFUL = (
-    0.01  # the same, for those tried from more starts where none of the promising ones leaves the noise alone
-)
 _FIRST = 2  # effects without a shape that others are tried beside
-_WIDE = 6  # effects tried from more starts where none leaves the noise alone
 _FEW = 4  # effects tried in another one's place
+_LED = 2  # candidates led out of a false minimum
 _FAR = 2.0  # times the noise
 _FELL_SHORT = 1.02  # of what a linear step leaves: a fit that leaves more may be in a false minimum
-_NUDGED = 2  # candidates looked for in their neighbourhood, too
-_SHARES = (0.05, 0.3)  # of an effect's size: with how much of it a fit begins that was exchanged without it
 _SHAPES = 3  # of an effect, to start from where the first ones did not do
 
 
@@ -42,37 +36,20 @@ def ranking(
 
     ``allowed`` limits the effects that may be added (all of the catalogue by default). A candidate is refused where a
     parameter ends at a bound at which the effect is not there; one that no start gives a trajectory for is left out.
-    Where none leaves the noise alone, all are tried again from more starts: a fit in a false minimum, its own or that of
-    the model it begins from, must not hide the one that does. Those that promise most come first, and those that promise too little to
-    be probable are not refitted; where the ``budget`` is spent, the rest is left out.
+    Those that promise too little to be probable are not refitted; where the ``budget`` is spent, the rest is left out.
     """
     moves = _offered(here, additions(here.fit.model, allowed), best=_SHAPES)
     moves = [starts for starts in moves if not _sized(here, starts) or _may_pay(here, starts, noise)]
     moves.sort(key=lambda starts: -starts[0].predicted)
     most = moves[0][0].predicted if moves else 0.0
     # of an effect without a parameter no linear step tells what it is worth
-    near = {
-        id(starts): not _sized(here, starts) or starts[0].predicted >= _PROMISING * most for starts in moves
-    }
-    promising = [_first(starts) for starts in moves if near[id(starts)]]
-    found = _moved(here, noise, promising, allowed, budget)
-    found = _grown(found, moves, here, noise, budget)
-    found = _from_the_best(found, moves, here, noise, budget)
-    # a fit that is near the noise and lacks something may be in a false minimum, and so may what is nearer
-    if found and (budget.spent or leaves_noise(found[0].fit, noise) and not leaves_noise(here.fit, noise)):
-        return found
-    hopeful = [starts for starts in moves if starts[0].predicted >= _HOPEFUL * most][:_WIDE]
-    # a linear step from where a search got stuck promises little: growing parts of the swings lead on
-    stuck = not here.fit.converged
-    more = [starts[2:-1] if near[id(starts)] and not stuck else starts for starts in hopeful]
-    wide = best_first(
-        [_best(starts, here, noise, grown=stuck) for starts in more if starts and not budget.spent]
-    )
-    best: dict[str, list[Candidate]] = {}
-    for one in (*found, *wide):
-        best.setdefault(one.move, []).append(one)
-    found = best_first(min(several, key=lambda one: one.fit.rss) for several in best.values())
-    return best_first([*(_nudged(one, here, noise) for one in found[:_NUDGED]), *found[_NUDGED:]])
+    promising = [
+        _first(starts)
+        for starts in moves
+        if not _sized(here, starts) or starts[0].predicted >= _PROMISING * most
+    ]
+    found = _led(_moved(here, noise, promising, allowed, budget), here, noise)
+    return _grown(found, moves, here, noise, budget)
 
 
 def _offered(
@@ -101,12 +78,24 @@ def _first(starts: list[Start]) -> list[Start]:
     return [*starts[:2], starts[-1]] if len(starts) > 3 else starts
 
 
-def _nudged(one: Candidate, here: Frame, noise: Noise) -> Candidate:
-    """The candidate, or a better one in its neighbourhood, or from the decay that the swings show."""
-    fit = nudged(one.fit, here.swings, rounds=1)
-    with suppress(TrajectoryError):
-        fit = min(fit, refit(fit.begin, here.swings, seen=True), key=lambda fit: fit.rss)
-    return replace(one, fit=fit, bic=evidence(fit, noise), refused=inadmissible(fit, one.added, noise))
+def _led(found: list[Candidate], here: Frame, noise: Noise) -> list[Candidate]:
+    """The candidates, the first ones from growing parts of the swings as well: friction that stops a pendulum leaves many minima side by side."""
+    first = (_led_out(one, here, noise) for one in found[:_LED])
+    return best_first([*first, *found[_LED:]])
+
+
+def _led_out(one: Candidate, here: Frame, noise: Noise) -> Candidate:
+    try:
+        fit = refit(one.fit.begin, here.swings)
+    except TrajectoryError:
+        return one
+    return _judged(replace(one, fit=fit), noise) if fit.rss < one.fit.rss else one
+
+
+def _judged(one: Candidate, noise: Noise) -> Candidate:
+    """The candidate with the evidence of its fit, and why it is refused."""
+    why = [inadmissible(one.fit, name, noise) for name in one.names]
+    return replace(one, bic=evidence(one.fit, noise), refused=next(filter(None, why), ""))
 
 
 def _grown(
@@ -139,43 +128,6 @@ def _grown(
         if one and (old is None or one.fit.rss < old.fit.rss):
             known[one.move] = one
     return best_first(known.values())
-
-
-def _from_the_best(
-    found: list[Candidate], moves: Sequence[list[Start]], here: Frame, noise: Noise, budget: Budget
-) -> list[Candidate]:
-    """The candidates, best first: those that do worse than the best, begun anew with all else as in it: what it adds in place of an effect
-    of the model, added, and where it damps what damps. In the model as it is its own damping may do the work of what is missing, and a
-    fit from there ends in a false minimum; what has one effect more cannot do worse but in one."""
-    first, catalogue = found[0] if found else None, here.fit.model.catalogue
-    if first is None or first.refused or len(first.names) != 1:
-        return found
-    (best,) = first.names
-    begins = [without(first.fit, best)]
-    if first.dropped:
-        begins = [_with_part(begins[0], here.fit, first.dropped, share) for share in _SHARES]
-    known = {one.move: one for one in found}
-    for start in (starts[0] for starts in moves):
-        one, name = known.get(start.move), start.added
-        rival = name == best or catalogue.damps(best) and catalogue.damps(name or "")
-        if not name or not rival or budget.spent or one and one.fit.rss <= first.fit.rss:
-            continue
-        source = first.fit.begin if name == best else start.begin
-        own = [{p.name: one.values[p.name] for p in catalogue[name].parameters} for one in source.swings]
-        again = _best(
-            [replace(start, begin=widened(begin, name, own), predicted=0.0) for begin in begins], here, noise
-        )
-        if again and (one is None or again.fit.rss < one.fit.rss):
-            known[start.move] = again
-    return best_first(known.values())
-
-
-def _with_part(begin: Begin, fit: Fit, name: str, share: float) -> Begin:
-    """The beginning with an effect beside that has the values of a fit, and that share of its size there."""
-    values, own = fit.model.values, fit.model.catalogue[name].parameters
-    return with_effect(
-        begin, name, {p.name: values[p.name] * (share if p.role == "size" else 1.0) for p in own}
-    )
 
 
 def _gain(fit: Fit, left: float, noise: Noise) -> float:
@@ -265,7 +217,7 @@ def in_place_of(
         alike = {name: size for name, size in mimics(here, old, allowed).items() if name not in good}
         found = [one for one in found if one and one.added not in alike]
         found += [_beside_what_was(begin, old, name, size, here, noise) for name, size in alike.items()]
-    return best_first(found)
+    return _led(best_first(found), here, noise)
 
 
 def _beside_what_was(
@@ -318,6 +270,4 @@ def _best(
     if not fits:
         return None
     fit, start = min(fits, key=lambda fit: fit.rss), starts[0]
-    one = Candidate(start.added, start.dropped, fit, evidence(fit, noise), also=start.also)
-    why = [inadmissible(fit, name, noise) for name in one.names]
-    return replace(one, refused=next(filter(None, why), ""))
+    return _judged(Candidate(start.added, start.dropped, fit, 0.0, also=start.also), noise)
