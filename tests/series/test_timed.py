@@ -80,14 +80,18 @@ def test_a_cell_of_a_table_that_stands_beside_is_found(tmp_path):
 
 
 def test_columns_of_one_name_within_a_table_are_refused(tmp_path):
-    with pytest.raises(InputError, match="two columns have one name"):
+    with pytest.raises(InputError, match="two columns have one name") as told:
         timed(written(tmp_path, "length (cm),10T (s),10T (s)", ["20,9.0,9.1", "30,11.0,11.1"]))
+    assert told.value.where.endswith("line 1")
 
 
 def test_tables_one_below_the_other_under_heads_of_their_own_are_asked_about(tmp_path):
     path = written(tmp_path, "# 10T (s)", ["18.63", "18.72", "18.62", "# 50T (s), position (cm)", "95.75,70", "97.26,72"])  # fmt: skip
-    with pytest.raises(InputError, match="2 tables of times, one below the other .*which one is meant"):
+    with pytest.raises(
+        InputError, match="2 tables of times, one below the other .*which one is meant"
+    ) as told:
         timed(path)
+    assert told.value.where.endswith("line 1")
     written(tmp_path, "# 10T (s)", ["18.63", "# looked away here", "18.62"])
     assert len(timed(path).table)
 
