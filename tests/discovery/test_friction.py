@@ -38,7 +38,8 @@ def swings(hidden, zeros=(0.0, 0.0, 0.0, 0.0), angles=(0.9, -0.7, 0.5, 0.3), **v
 
 
 def fitted(one, label, **values):
-    guess = Model(label, VALUES | values) if values else None
+    known = {name: value for name, value in (VALUES | values).items() if name in Model(label).parameters}
+    guess = Model(label, known) if values else None
     return fit_jointly(Model(label), [swing.pair for swing in one.fit], guess=guess, bounded=True)
 
 
@@ -93,7 +94,8 @@ def test_a_drag_is_told_though_the_pivot_shakes():
 def test_a_brake_that_may_be_as_wide_as_the_swing_is_tied_with_the_uniform_one():
     one = swings(("eddy_brake",), viscous_ratio=0.0, eddy_coefficient=0.28, eddy_width=2.0)
     pool = Pool(one, NOISE, fitted(one, "constant_coulomb"))
-    pool.look(fitted(one, "constant_coulomb+eddy_brake"))
+    brake = {"constant_friction": 0.01, "eddy_coefficient": 0.28, "eddy_width": 2.0}
+    pool.look(fitted(one, "constant_coulomb+eddy_brake", **brake))
     best = pool.known[frozenset(("constant_coulomb", "eddy_brake"))]
     assert "viscous" not in judged(pool, best)["eddy_brake"].ties
     # as where what is missing leaves the width open
