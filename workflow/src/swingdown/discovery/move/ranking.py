@@ -48,7 +48,9 @@ def ranking(
         for starts in moves
         if not _sized(here, starts) or starts[0].predicted >= _PROMISING * most
     ]
-    found = _led(_moved(here, noise, promising, allowed, budget), here, noise)
+    found = _moved(here, noise, promising, allowed, budget)
+    if not budget.spent:
+        found = _led(found, here, noise)
     return _grown(found, moves, here, noise, budget)
 
 
@@ -89,10 +91,10 @@ def _led_out(one: Candidate, here: Frame, noise: Noise) -> Candidate:
         fit = refit(one.fit.begin, here.swings)
     except TrajectoryError:
         return one
-    return _judged(replace(one, fit=fit), noise) if fit.rss < one.fit.rss else one
+    return _weighed(replace(one, fit=fit), noise) if fit.rss < one.fit.rss else one
 
 
-def _judged(one: Candidate, noise: Noise) -> Candidate:
+def _weighed(one: Candidate, noise: Noise) -> Candidate:
     """The candidate with the evidence of its fit, and why it is refused."""
     why = [inadmissible(one.fit, name, noise) for name in one.names]
     return replace(one, bic=evidence(one.fit, noise), refused=next(filter(None, why), ""))
@@ -270,4 +272,4 @@ def _best(
     if not fits:
         return None
     fit, start = min(fits, key=lambda fit: fit.rss), starts[0]
-    return _judged(Candidate(start.added, start.dropped, fit, 0.0, also=start.also), noise)
+    return _weighed(Candidate(start.added, start.dropped, fit, 0.0, also=start.also), noise)

@@ -12,7 +12,7 @@ from ...pendulum.slack import Slack
 from ..data.campaign import Swing
 from ..data.noise import Noise
 
-_NUDGES = (0.97, 1.03, 0.9, 1.1)
+_NUDGES, _ROUNDS = (0.97, 1.03, 0.9, 1.1), 3
 _BETTER = 1e-4  # of the sum of squares; a smaller gain is the same minimum
 # evaluations, and of the sum of squares what a step promises at the end: to a few hundredths of a standard error, and to the end
 _RANKED, _ENDED = (30, 1e-7), (200, 1e-10)
@@ -119,13 +119,13 @@ def with_effect(begin: Begin, name: str, values: Mapping[str, float]) -> Begin:
     return widened(begin, name, [values] * len(begin.swings))
 
 
-def nudged(fit: Fit, swings: Sequence[Swing], rounds: int = 3) -> Fit:
+def nudged(fit: Fit, swings: Sequence[Swing]) -> Fit:
     """The fit, or a better one found from its neighbourhood.
 
     Friction that stops the pendulum within the record leaves many minima side by side: each one-sided effect's size is
     moved by a few percent in turn, and the search begins anew from there.
     """
-    for _ in range(rounds):
+    for _ in range(_ROUNDS):
         sizes = [effect.size.name for effect in fit.model.effects if effect.size and effect.one_sided]
         values = {size: fit.model.values[size] for size in sizes}
         around = [
