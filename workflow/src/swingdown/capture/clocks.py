@@ -12,8 +12,8 @@ import numpy.typing as npt
 
 from ..arrays import Bools, Floats
 from ..measurement.slack import CLOCK_TOLERANCE
-from . import brokenline
-from .brokenline import Breaks, BrokenLine, sure
+from . import broken_line
+from .broken_line import Breaks, BrokenLine, sure
 
 RATE = 0.005  # part; how far the rates of host and device may differ: a ceramic resonator is good to that
 CHANGE = 0.001  # part; how far a sound rate may change: a ceramic resonator's by 30 K (0.3 % over its 100 K)
@@ -199,7 +199,7 @@ def _edge(times, left, fresh, chosen, scatter, interval):
     if len(chosen) < 2 * _EDGE:
         return _Edge()
     body = chosen[-_EDGE - _BODY : -_EDGE]
-    line = brokenline.part(times[body], left[body], 0, len(body))
+    line = broken_line.part(times[body], left[body], 0, len(body))
     at = np.arange(chosen[-_EDGE - 1] + 1, len(times))
     away = left[at] - line.at(times[at])
     near = np.arange(body[0], body[-1] + 1)
@@ -211,7 +211,7 @@ def _edge(times, left, fresh, chosen, scatter, interval):
         count = len(at) - (within[-1] + 1 if len(within) else 0)
         told = int(np.sum(fresh[at[len(at) - count :]]))
         others = 1 + int(np.sum(sign * left[: at[0]] > sign * np.median(left[: at[0]]) + beyond))
-        if 0 < count < len(at) and len(times) * (others / len(times)) ** told < brokenline.ALPHA:
+        if 0 < count < len(at) and len(times) * (others / len(times)) ** told < broken_line.ALPHA:
             return _Edge(count, float(np.min(away[len(at) - count :])))
     return _Edge()
 
@@ -230,12 +230,14 @@ def _line(pieces, inside, scatter):
     What a host that looks at the line in steps makes of a sound clock lies within a band as wide as a step, and is no break.
     """
     times, late = pieces.times[inside], pieces.late[inside]
-    breaks = brokenline.breaks(brokenline.parts(times, late, scatter), times, scatter, least=pieces.interval)
+    breaks = broken_line.breaks(
+        broken_line.parts(times, late, scatter), times, scatter, least=pieces.interval
+    )
     line = plain = BrokenLine(times, late, scatter, Breaks(small=breaks.small))
     if breaks.bends or breaks.jumps:
         line = BrokenLine(times, late, scatter, breaks)
         hidden = _hidden(pieces, plain) or (0.0 if pieces.bursts else _step(pieces, line))
-        if hidden and brokenline.band(times, late) < hidden + 2 * scatter * sure(len(times)):
+        if hidden and broken_line.band(times, late) < hidden + 2 * scatter * sure(len(times)):
             return plain, hidden
         jumps = zip(breaks.jumps, line.jumped(), strict=True)
         placed = tuple(_placed(pieces, inside, line, at, size) for at, size in jumps)
@@ -305,7 +307,7 @@ def _told(pieces, line, hidden, head, tail):
             stalls.append(Stall(_parted(pieces, k), sign * edge.size))
     courses = tuple(Course(since, until, 1 + slope) for since, until, slope in line.slopes())
     knots = _knots(pieces, line, head, tail)
-    bent = np.sqrt(brokenline.break_price(line.count) * len(courses) / line.count) * scatter
+    bent = np.sqrt(broken_line.break_price(line.count) * len(courses) / line.count) * scatter
     # how long samples of a burst are before its last
     waiting = np.median(np.diff(pieces.times)) - pieces.interval
     misplaced = sum(one.seconds**2 for one in stalls) * max(waiting, 0.0) / 2 / span
@@ -317,7 +319,7 @@ def _told(pieces, line, hidden, head, tail):
     u_ratio = float(np.hypot(u_end / span, CLOCK_TOLERANCE / np.sqrt(3)))  # the host's clock is a quartz
     lack = line.at([line.first, line.end])
     unsure = scatter * sure(line.count)
-    many = min(line.count, max(line.count * STRETCH / span, brokenline.SHORTEST))
+    many = min(line.count, max(line.count * STRETCH / span, broken_line.SHORTEST))
     found = Comparison(
         ratio=courses[0].ratio if len(courses) == 1 else 1 + float(lack[1] - lack[0]) / span,
         u_ratio=u_ratio,
@@ -343,7 +345,7 @@ def _wanders(courses, line, scatter):
         return False
     each = line.count / (line.end - line.first)  # points a second
     ratio = np.array([one.ratio for one in courses])
-    long = np.array([max(one.until - one.since, brokenline.SHORTEST / each) for one in courses])
+    long = np.array([max(one.until - one.since, broken_line.SHORTEST / each) for one in courses])
     variance = 12 * scatter**2 / (each * long**3)
     apart = np.abs(ratio[:, None] - ratio) - sure(len(courses) ** 2) * np.sqrt(variance[:, None] + variance)
     return bool(np.any(apart > CHANGE))

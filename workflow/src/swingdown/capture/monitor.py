@@ -11,7 +11,7 @@ from .listener import Listener
 from .live import measured, trace_of
 from .order import losses
 from .recorder import Recorder, too_noisy
-from .verdict import saturated
+from .remarks import saturated
 
 KEEP = 20.0  # s of the signal
 _SHOW = 0.2  # s between pictures

@@ -4,7 +4,7 @@ It knows neither port nor clock: it is fed bytes with the time they came, live o
 of them is the same.
 """
 
-from . import clocks, verdict
+from . import clocks, remarks
 from .formats import parser
 from .order import ANEW, Order, losses
 from .trigger import SPREAD, Watch, noise, release
@@ -267,7 +267,7 @@ class Recorder:
         if missing:
             lost, damaged = losses(missing)
             found.append(f"{lost} frames lost and {damaged} damaged of {received + len(missing)}")
-        return found + verdict.of(self)
+        return found + remarks.against(self)
 
 
 def too_noisy(noise_rms, threshold, unit):

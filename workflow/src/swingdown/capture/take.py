@@ -8,7 +8,7 @@ import xarray as xr
 
 from .. import dataset
 from ..errors import InputError
-from . import verdict
+from . import remarks
 from .order import losses
 
 SIGNALS = {  # unit: variable, what it is
@@ -54,7 +54,7 @@ def to_dataset(recorder, about):
         "status": recorder.status,
         "partial": "yes" if problems else "no",
         "problems": "; ".join(problems),
-        "remarks": "; ".join([*about.pop("remarks", ()), *verdict.remarks(recorder)]),
+        "remarks": "; ".join([*about.pop("remarks", ()), *remarks.about(recorder)]),
         "expected": recorder.expected,
         "received": len(rows),
         "lost": lost_frames,

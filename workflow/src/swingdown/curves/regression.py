@@ -12,7 +12,7 @@ import numpy as np
 from scipy.special import logsumexp, ndtr, ndtri, stdtrit
 
 from ..arrays import Floats
-from ..fitting.colour import autoregression
+from ..fitting.coloured_noise import autoregression
 
 _WIDTHS = (0.35, 0.8, 1.8)  # of the curve's features, in the logarithm of its argument
 SHARE = 3.0  # times of the whole that a single law may be

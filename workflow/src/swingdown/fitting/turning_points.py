@@ -21,7 +21,7 @@ from ..pendulum.half_swings import lengthening
 from ..pendulum.model import Model
 from ..pendulum.slack import time_power
 from ..quantisation import rounding
-from .colour import autoregression, weighted
+from .coloured_noise import autoregression, weighted
 from .guess import Guess
 from .nested import unseen
 

@@ -23,7 +23,7 @@ from ..engine.trajectory import TrajectoryWarning, sensitivities, simulate
 from ..pendulum.catalogue import ANGLE
 from ..pendulum.effect import NATURAL_FREQUENCY
 from ..quantisation import quantisation_step, rounding
-from .colour import Colour, autoregression, lines_of, weighted
+from .coloured_noise import Colour, autoregression, lines_of, weighted
 from .course import Courses, Free, Pieces
 from .problem import RELEASE, Swings
 from .result import Fit

@@ -26,8 +26,8 @@ from ..pendulum.model import Model, everyday
 from ..rounding import value_with_uncertainty
 from .described import describes
 from .experiment import fit_recording
-from .left_over import MUCH, doubt
 from .scale import DEGREE, Scale, scale_of
+from .unexplained import MUCH, doubt
 from .unscaled import COURSE, SHOWN, of_first_swings, of_last_swings, without_scale
 
 LEFT = 0.25  # of the swing (RMS of means over a part of a period): what a damping without a name leaves of a pendulum's is less

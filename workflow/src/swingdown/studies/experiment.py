@@ -37,8 +37,8 @@ from .fit_rows import (  # fmt: skip
     rows_of,
     slack_of,
 )
-from .left_over import MUCH, share_left
 from .norms import labelled, model_coords
+from .unexplained import MUCH, share_left
 from .unscaled import of_first_swings, pace_of, without_scale
 
 _ENOUGH = 3  # half-swings: two give a frequency, a decay needs the next

@@ -24,10 +24,10 @@ from ..pendulum.slack import ZERO, is_open
 from ..rounding import value_with_uncertainty
 from ..status import REMAINING, Status
 from .described import described, described_by, over_laws, probability, reading_of, rivals, weights
-from .left_over import MUCH, doubt
 from .norms import as_text
 from .quantities import UNITS, Quantity, loss_seen
 from .turning_points import NOT_DAMPED, as_told, passages_told, period_of_passages
+from .unexplained import MUCH, doubt
 from .unscaled import as_seen, at_first_swing, meets
 
 _SUFFIX = {

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from swingdown.capture.brokenline import Breaks, BrokenLine, band, break_price, breaks, part, parts, sure
+from swingdown.capture.broken_line import Breaks, BrokenLine, band, break_price, breaks, part, parts, sure
 
 TIMES = np.arange(0.0, 40.0, 0.5)
 SCATTER = 0.01

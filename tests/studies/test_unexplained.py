@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from swingdown.studies.left_over import MUCH, doubt, share_left
+from swingdown.studies.unexplained import MUCH, doubt, share_left
 
 PERIODS, A_PERIOD = 10, 100  # a part of a period has 25 samples
 SERIES = np.sin(2 * np.pi * np.arange(PERIODS * A_PERIOD) / A_PERIOD)

@@ -10,14 +10,14 @@ UNLIKE = 0.2
 _LISTED = 3  # stalls, or rates, that are told one by one
 
 
-def of(recorder) -> list[str]:
+def against(recorder) -> list[str]:
     """What speaks against the recording; nothing where nothing is wrong. ``recorder`` has ended, or stands still for the moment."""
     if len(recorder.rows) < 2:
         return []
     return [*_clocks(recorder), *_constant(recorder), *_saturated(recorder)]
 
 
-def remarks(recorder) -> list[str]:
+def about(recorder) -> list[str]:
     """What is to be known of a recording's times, and speaks against nothing."""
     compared = recorder.compared()
     if compared is None:

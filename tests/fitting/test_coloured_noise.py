@@ -8,7 +8,7 @@ from scipy.signal import lfilter
 from scipy.special import ndtr
 
 from swingdown.engine.trajectory import simulate
-from swingdown.fitting.colour import autoregression, lines_of
+from swingdown.fitting.coloured_noise import autoregression, lines_of
 from swingdown.fitting.least_squares import fit_jointly, fit_trajectory
 from swingdown.fitting.uncertainty import Uncertainty, half_widths, uncertainty
 from swingdown.pendulum.model import Model

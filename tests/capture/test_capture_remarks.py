@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from swingdown.capture import verdict
+from swingdown.capture import remarks
 from swingdown.capture.clocks import Comparison, Course, Stall
 from swingdown.capture.order import Row
 
@@ -29,8 +29,8 @@ def recorder(found=None, values=(1, 2), rate=100, by_device=None, numbered=True,
 
 
 def test_a_sound_recording_says_nothing_against_itself():
-    assert verdict.of(recorder(compared())) == [] and verdict.of(recorder(None)) == []
-    assert verdict.of(recorder(compared(1.1), values=[1])) == []  # of one sample nothing is known
+    assert remarks.against(recorder(compared())) == [] and remarks.against(recorder(None)) == []
+    assert remarks.against(recorder(compared(1.1), values=[1])) == []  # of one sample nothing is known
 
 
 @pytest.mark.parametrize(
@@ -49,47 +49,47 @@ def test_a_sound_recording_says_nothing_against_itself():
     ],
 )  # fmt: skip
 def test_a_clock_that_is_wrong_is_told_with_where_and_by_how_much(found, by_device, told):
-    (said,) = verdict.of(recorder(found, by_device=by_device))
+    (said,) = remarks.against(recorder(found, by_device=by_device))
     assert told in said
 
 
 def test_a_clock_that_jumps_where_no_sample_is_missing_is_told_once():
     made = recorder(compared(1.5), values=range(20), by_device=100.0)
     made.rows = [row._replace(time=row.time + (0.75 if row.position > 11 else 0)) for row in made.rows]
-    assert verdict.of(made) == ["the device's clock jumps by +0.75 s at 0.11 s, where no sample is missing"]
+    assert remarks.against(made) == [
+        "the device's clock jumps by +0.75 s at 0.11 s, where no sample is missing"
+    ]
 
 
 def test_an_interval_unlike_the_rate_that_was_said_hides_losses():
-    (said,) = verdict.of(recorder(compared(), by_device=50.0, numbered=False))
+    (said,) = remarks.against(recorder(compared(), by_device=50.0, numbered=False))
     assert said.startswith("samples come 50 a second by the device's clock and capture.rate_hz is 100: losses cannot be counted; set rate_hz: 50")  # fmt: skip
-    assert verdict.of(recorder(compared(), by_device=50.0)) == []
-    assert verdict.of(recorder(compared(), by_device=81.0, numbered=False)) == []
-    assert len(verdict.of(recorder(compared(), by_device=79.0, numbered=False))) == 1
+    assert remarks.against(recorder(compared(), by_device=50.0)) == []
+    assert remarks.against(recorder(compared(), by_device=81.0, numbered=False)) == []
+    assert len(remarks.against(recorder(compared(), by_device=79.0, numbered=False))) == 1
 
 
 def test_a_sensor_at_its_rail_or_the_end_of_its_range_is_told():
-    (said,) = verdict.of(recorder(compared(), values=[7] * 9))
+    (said,) = remarks.against(recorder(compared(), values=[7] * 9))
     assert said.startswith("all 9 samples are 3.5 V: a sensor at its rail, or not connected")
-    assert verdict.of(recorder(compared(), values=[7] * 9, still=True)) == []
-    (said,) = verdict.of(recorder(compared(), values=[0, 2, 4, 10, 10, 12], range=[0, 5]))
+    assert remarks.against(recorder(compared(), values=[7] * 9, still=True)) == []
+    (said,) = remarks.against(recorder(compared(), values=[0, 2, 4, 10, 10, 12], range=[0, 5]))
     assert said == "4 samples at the end of the range 0 to 5 V: the true signal lies beyond"
-    assert verdict.of(recorder(compared(), values=[1, 9], range=[0, 5])) == []
+    assert remarks.against(recorder(compared(), values=[1, 9], range=[0, 5])) == []
 
 
 def test_what_is_to_be_known_of_the_times_speaks_against_nothing():
-    (few,) = verdict.remarks(recorder(None))
+    (few,) = remarks.about(recorder(None))
     assert few == "too few arrivals to compare the board's clock with the host's: capture.rate_hz is not checked"  # fmt: skip
-    (known,) = verdict.remarks(recorder(compared()))
+    (known,) = remarks.about(recorder(compared()))
     assert known == (
         "standard uncertainty of the times 0.34 ms; arrivals scatter by 1.2 ms: a stall below 42 ms, or a change of the rate below "
         "0.2% over 3 s, may have passed unseen"
     )  # fmt: skip
-    corrected, _ = verdict.remarks(recorder(compared(1.001)))
+    corrected, _ = remarks.about(recorder(compared(1.001)))
     assert corrected == "the board sends 99.9001(10) samples a second where capture.rate_hz is 100, by the host's clock: times are corrected by it"  # fmt: skip
-    timed, _ = verdict.remarks(recorder(compared(1.001), by_device=100.0))
+    timed, _ = remarks.about(recorder(compared(1.001), by_device=100.0))
     assert timed == "the device's clock goes 0.999001(10) s in a second by the host's clock: times are corrected by it"  # fmt: skip
-    stalled, _ = verdict.remarks(recorder(compared(stalls=[Stall(7.0, 0.12)])))
+    stalled, _ = remarks.about(recorder(compared(stalls=[Stall(7.0, 0.12)])))
     assert stalled == "times are corrected by the host's clock"
-    assert (
-        len(verdict.remarks(recorder(compared(1.02)))) == 1
-    )  # that it is wrong is a problem, and told as one
+    assert len(remarks.about(recorder(compared(1.02)))) == 1  # that it is wrong is a problem, and told as one
