@@ -58,6 +58,14 @@ def test_two_effects_without_a_shape_are_named_before_one_with_a_shape(two):
     assert states[-1].fit.model.values["quadratic_stiffness"] == pytest.approx(-0.8, rel=0.05)
 
 
+def test_two_effects_are_named_though_something_unnamed_does_as_well_in_the_place_of_each_alone():
+    hidden = "viscous+load_coulomb+stribeck+cubic_stiffness"
+    one = campaign("two", swings(hidden, viscous_ratio=0.006, load_friction=0.002, stribeck_friction=0.06, stribeck_velocity=0.3, cubic_stiffness=0.05))  # fmt: skip
+    allowed = ("quadratic_drag", "steady_wind", "stribeck", "presliding", "cubic_stiffness", "constant_torque", "detent")  # fmt: skip
+    last = discover(one, "viscous+load_coulomb", rounds=3, allowed=allowed)[-1]
+    assert set(last.found) == {"stribeck", "cubic_stiffness"} and not last.missing
+
+
 def test_the_pair_that_is_there_promises_most(two):
     fit = first_fit(two, Model("viscous"))
     here = frame(fit, two.fit)

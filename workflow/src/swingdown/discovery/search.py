@@ -122,10 +122,10 @@ class _Search:
                 and not self.budget.spent
             ):
                 self._look_at_pairs(way[-1])
-            best = self._settled()
-            if best.key in [one.key for one in way]:
+            further = self._further(way)
+            if further is None:
                 break
-            way.append(best)
+            way.append(further)
         for _ in range(_AGAIN if len(way) > 1 else 0):
             self._doubt(way[-1])
             best = self._settled()
@@ -207,12 +207,32 @@ class _Search:
         """True where nothing more is asked: time is spent, or what is there leaves nothing that a discrepancy would explain."""
         return self.budget.spent or (here.key != self.pool.base and here.whole > 0.5)
 
-    def _look_around(self, here: Structure) -> None:
-        """Each effect in addition and in the place of others, the structure without each, and a natural frequency for each recording."""
-        ranked = ranking(here.frame, self.pool.noise, self.allowed, self.budget)
+    def _further(self, way: list[Structure]) -> Structure | None:
+        """The most probable structure, where the way has not come to it; None where nothing more is.
+
+        Something unnamed does in the place of an effect what that does not do without another one. Where it is the most probable, what may be
+        as probable is looked for around the best structure of names alone.
+        """
+        been, seen = {one.key for one in way}, set()
+        best = self._settled()
+        while best.key in been and self.pool.lacks(best) and not self.budget.spent:
+            named = self.pool.best_named()
+            if named is None or named.key in been | seen:
+                return None
+            seen.add(named.key)
+            least = best.evidence + np.log(self.pool.criterion.possible) - named.plain
+            self._look_around(named, named.fit.rss - 2 * self.pool.noise.slow_variance * least)
+            self._heard(self._settled())
+            best = self._settled()
+        return None if best.key in been else best
+
+    def _look_around(self, here: Structure, reach: float = np.inf) -> None:
+        """Each effect in addition and in the place of others, the structure without each, and a natural frequency for each recording; of
+        effects those alone that may leave no more than ``reach`` (rad^2)."""
+        ranked = ranking(here.frame, self.pool.noise, self.allowed, self.budget, reach)
         for old in self.pool.added(here.key):
             if not self.budget.spent:
-                ranked += in_place_of(here.frame, self.pool.noise, old, self.allowed)
+                ranked += in_place_of(here.frame, self.pool.noise, old, self.allowed, reach=reach)
         if not self.budget.spent:
             own = with_own_frequencies(here.frame, self.pool.noise, self.campaign, ranked)
             if own is not None:

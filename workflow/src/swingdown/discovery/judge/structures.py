@@ -134,6 +134,11 @@ class Pool:
             return
         self.known[one.key] = one
 
+    def best_named(self) -> Structure | None:
+        """Of the structures that add effects the most probable as if nothing else were missing; None where there is none."""
+        adding = (one for one in self.known.values() if self.added(one.key))
+        return max(adding, key=lambda one: one.plain, default=None)
+
     def held_out(self, fit: Fit) -> Fit:
         """What a fit says of the held-out swings; TrajectoryError where it cannot follow them."""
         if id(fit) not in self._held_out:

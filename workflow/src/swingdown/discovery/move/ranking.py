@@ -30,15 +30,22 @@ _SHAPES = 3  # of an effect, to start from where the first ones did not do
 
 
 def ranking(
-    here: Frame, noise: Noise, allowed: Collection[str] | None = None, budget: Budget = ENDLESS
+    here: Frame,
+    noise: Noise,
+    allowed: Collection[str] | None = None,
+    budget: Budget = ENDLESS,
+    reach: float = np.inf,
 ) -> list[Candidate]:
     """The ``Candidate``s that mend a fit seen in a ``Frame``, best first: additions, and exchanges of known rivals.
 
     ``allowed`` limits the effects that may be added (all of the catalogue by default). A candidate is refused where a
     parameter ends at a bound at which the effect is not there; one that no start gives a trajectory for is left out.
-    Those that promise too little to be probable are not refitted; where the ``budget`` is spent, the rest is left out.
+    Those that promise too little to be probable, or leave more than ``reach`` (rad^2), are not refitted; where the ``budget`` is
+    spent, the rest is left out.
     """
-    moves = _offered(here, additions(here.fit.model, allowed), best=_SHAPES)
+    moves = _reaching(_offered(here, additions(here.fit.model, allowed), best=_SHAPES), here, reach)
+    if reach < np.inf and not moves:
+        return []
     moves = [starts for starts in moves if not _sized(here, starts) or _may_pay(here, starts, noise)]
     moves.sort(key=lambda starts: -starts[0].predicted)
     most = moves[0][0].predicted if moves else 0.0
@@ -73,6 +80,11 @@ def _may_pay(here: Frame, starts: Sequence[Start], noise: Noise) -> bool:
     catalogue, count = here.fit.model.catalogue, 1 + len(starts[0].also)
     price = count * (np.log(len(catalogue)) + 0.5 * np.log(noise.effective(here.fit.n)))
     return bool(starts[0].predicted / noise.slow_variance > price + np.log(USUAL.possible))
+
+
+def _reaching(moves: list[list[Start]], here: Frame, reach: float) -> list[list[Start]]:
+    """The moves of which twice what a linear step promises would leave no more than ``reach`` (rad^2)."""
+    return [starts for starts in moves if here.fit.rss - 2 * starts[0].predicted <= reach]
 
 
 def _first(starts: list[Start]) -> list[Start]:
@@ -196,12 +208,17 @@ def beside_the_best(
 
 
 def in_place_of(
-    here: Frame, noise: Noise, old: str, allowed: Collection[str] | None = None, beside: bool = False
+    here: Frame,
+    noise: Noise,
+    old: str,
+    allowed: Collection[str] | None = None,
+    beside: bool = False,
+    reach: float = np.inf,
 ) -> list[Candidate]:
     """The ``Candidate``s that have another effect in the place of one of the model's own, best first.
 
-    The model is fitted without it, and the few effects that then promise most are fitted in its place; ``beside`` the others as they
-    were, too, those that are nearly its like.
+    The model is fitted without it, and the few effects that then promise most are fitted in its place (``reach`` as in ``ranking``);
+    ``beside`` the others as they were, too, those that are nearly its like.
     """
     begin = without(here.fit, old)
     if not begin.model.names:
@@ -211,7 +228,8 @@ def in_place_of(
         there = frame(fit, here.swings)
     except TrajectoryError:
         return []
-    moves = _offered(there, [name for name in additions(fit.model, allowed) if name != old], old)
+    names = [name for name in additions(fit.model, allowed) if name != old]
+    moves = _reaching(_offered(there, names, old), there, reach)
     moves.sort(key=lambda starts: -starts[0].predicted)
     found = [_best(starts, there, noise) for starts in moves[:_FEW]]
     if beside:
