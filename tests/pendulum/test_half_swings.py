@@ -9,6 +9,7 @@ from swingdown.pendulum.half_swings import (
     Swings,
     half_swings,
     lengthening,
+    middle_crossings,
     middles,
     passages,
     reached,
@@ -83,6 +84,14 @@ def test_of_a_middle_that_is_passed_back_and_forth_the_last_time_counts():
     times = np.arange(8.0)
     found = passages(times, np.array([10.0, 0.4, -0.4, 0.4, -0.4, -10.0, -10.0, 10.0]), 0.0)
     np.testing.assert_allclose(found, [3.5, 6.5])
+
+
+def test_a_noisy_swing_crosses_its_middle_once_a_half_swing_and_turns_between():
+    noise = 0.02 * np.random.default_rng(4).standard_normal(TIMES.size)
+    crossings, extremes = middle_crossings(TIMES, np.exp(-0.05 * TIMES) * SWING + noise)
+    expected = PERIOD * (np.arange(15) + 0.5) / 2
+    np.testing.assert_allclose(crossings, expected, atol=0.01)
+    np.testing.assert_allclose(extremes, np.exp(-0.05 * (expected[:-1] + PERIOD / 4)), atol=0.06)
 
 
 def by_quadrature(amplitude):
