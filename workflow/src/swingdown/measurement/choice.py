@@ -24,6 +24,7 @@ from .files.columns import (
     known_unit,
     numbers_rows,
     place_of,
+    ticks_alone,
 )
 from .files.table import Table, first_rows
 from .gyroscope import ASKEW, TO_RAD_PER_S
@@ -246,6 +247,13 @@ def with_rising_time(table: Table, row: Row) -> tuple[Table, Row, list[str]]:
             "it counts frames or samples, and no column is a time",
             "a column of time, or the samples a second",
             "write the frames or samples a second ⟨in rate_hz⟩",
+        )
+    if ticks_alone(table.names[0]) and not row["time_unit"]:
+        raise InputError(
+            f"{row['file']}, {place_of(table.names[0])}",
+            "it counts ticks of a clock, nothing says how many a second, and no column is a time",
+            "times, or how long a tick is",
+            "write ms or us ⟨in time_unit⟩ if that is a tick, or divide the column by the ticks a second",
         )
     table, held = first_rows(table, 0)
     if not held or len(held[-1]) < 2:  # of one row nothing rises

@@ -14,12 +14,24 @@ GAIN_TOLERANCE = 0.03
 ZERO_TOLERANCE = 0.35  # rad/s: 20°/s
 TO_RAD_PER_S = {"rad/s": 1.0, "deg/s": pi / 180}
 ASKEW = 0.1  # of the rate about the axis that turns most: so much about another tells that it lies askew
+SAME = 0.05  # of the length of a vector: so even, it is gravity's
 ONE_WAY = 0.75  # of the samples; of a pendulum's they are half
 FASTEST = 6.0  # times 2 pi over the period; a pendulum that goes to 175° and back is slower at the bottom
 
 
 def turning_most(names: Sequence[str], values: Sequence[Floats]) -> tuple[int, list[str]]:
-    """Which of several axes turns most, by its place, and remarks on that."""
+    """Which of several axes turns most, by its place, and remarks on that; InputError where they are the parts of gravity."""
+    length = np.sqrt(np.sum(np.square(values), axis=0))
+    if len(values) > 1 and np.std(length) < SAME * np.mean(
+        length
+    ):  # of a rate it is nothing where the pendulum turns
+        problem = f"together they are always about {np.mean(length):.3g} long, as the parts of gravity are, and no rate is"
+        raise InputError(
+            " ".join(names),
+            problem,
+            "a gyroscope's rates about its axes, or an angle",
+            "record the gyroscope",
+        )
     spread = [float(np.std(one)) for one in values]
     most = int(np.argmax(spread))
     if len(names) < 2:

@@ -14,15 +14,15 @@ _LIST = re.compile(r"(?:([^\W\d]\w*)\s*[=:]\s*)?(?:[\w.]+\()?[\[({]([^\[\](){}]*
 _NUMBER = NUMBER[EITHER]
 
 
-def upright(lines: Sequence[str]) -> io.BytesIO | None:
+def upright(lines: Sequence[str], timed: bool = True) -> io.BytesIO | None:
     """The text of a table whose rows become columns, between tabs; None where the lines, all of a file, are no table that lies across.
 
     It has fewer rows than a recording has samples, each with a name before its numbers or each without, and as many numbers in one as in the
-    other; of one row they rise.
+    other. Those of one row rise; of a table that is not ``timed`` they need not, and one row will do.
     """
     some = (_bare(line.strip()) for line in lines if line.strip() and not COMMENT.match(line))
     filled = list(islice(some, FEWEST))
-    if not 2 <= len(filled) < FEWEST:
+    if not 1 + timed <= len(filled) < FEWEST:
         return None
     for separator in dict.fromkeys(one for one, _ in DIALECTS):
         rows = [stripped(split(line, separator)) for line in filled]
@@ -32,7 +32,7 @@ def upright(lines: Sequence[str]) -> io.BytesIO | None:
             continue
         numbers = [row[any(named) :] for row in rows]
         whole = all(not cell or _NUMBER.fullmatch(cell) for row in numbers for cell in row)
-        if whole and any(map(_rises, numbers)):
+        if whole and (not timed or any(map(_rises, numbers))):
             text = "\n".join("\t".join(cells) for cells in zip(*rows, strict=True))
             return io.BytesIO(f"{text}\n".encode())
     return None

@@ -76,7 +76,7 @@ _ACCELERATES = re.compile(
     r"(?i)α|\b(acceleration|accelerations|accelerometer|accel|acc|beschleunigung|accélération|aceleración|aceleracion|aceleração|accelerazione)[ .]?[xyz]?\b"
     r"|\b(a|g ?f)[ .]?[xyzt]\b"
 )
-_TURNS = re.compile(r"(?i)\b(velocity|rate|gyro\w*|omega|w[xyz])\b|ω")
+_TURNS = re.compile(r"(?i)\b(velocity|rate|gyro\w*|omega|w[xyz]|gy?r?[ .]?[xyz])\b|ω")
 _FIELD = re.compile(r"(?i)\b(compass|magnetometer|mag)\b")  # its x and y are no positions
 # a column of uncertainties
 OF_AN_ERROR = re.compile(
@@ -88,6 +88,7 @@ _SIZE_ALONE = re.compile(r"(?i)\b(abs|absolute|magnitude|norm|total|betrag)\b")
 _NUMBERS = re.compile(
     r"(?i)(frame|frames|frame ?(no|nr|number|index|id)|bild|bildnummer|fotograma|image|sample|samples|sample ?(no|nr|number|id|index)|index|idx|n|no|nr)\.?"
 )
+_TICKS = re.compile(r"(?i)((cpu|clock|timer|sys|system)[ _]?)?(ticks?|cycles?)")
 _QUATERNION = re.compile(r"(?i)(q|quat|quaternion|orientation)[ _.]?[wxyz0-3]")
 _COORDINATE, _THIRD = (
     re.compile(
@@ -393,6 +394,11 @@ def from_row_to_row(one: Meaning) -> bool:
 def numbers_rows(name: str) -> bool:
     """True for the name of a column that counts frames or samples and is no time."""
     return bool(_NUMBERS.fullmatch(name.replace("_", " ").strip()))
+
+
+def ticks_alone(name: str) -> bool:
+    """True for the name of a column that counts what a clock does, which is in no unit of time."""
+    return bool(_TICKS.fullmatch(name.strip()))
 
 
 def place_of(name: str) -> str:

@@ -12,7 +12,7 @@ import pandas as pd
 
 from ...errors import InputError
 from ..swings.clock import counts_rows, goes_on
-from .across import upright
+from .across import FEWEST, upright
 from .cells import Dialect
 from .columns import TIME, UNTOLD, meaning
 from .layout import ARRIVED, CLOCKED, STATES_RATE, Layout, dialect
@@ -23,6 +23,7 @@ from .text import HEAD, charset, encoding, pieces_of
 from .worded import reworded
 
 _BRACKETED = re.compile(r"^[ \t]*[(\[]{1,2}([^()\[\]\n]*)[)\]]{1,2}[ \t,;]*\r?$", re.MULTILINE)
+_NEXT = re.compile(r"([)\]])[ \t,;]*(?=[(\[])")  # between two rows that stand in one line
 _MOSTLY = 0.9  # of the rows; notes stand above and below
 # as oscilloscopes and LabVIEW state above or beside the rows what they measured
 _VOLTS = re.compile(r"(?i)^\s*(?:vertical[ _]units?|y[ _]unit[ _]label)[,;:\t ]+(?:ch\d:)?v(?:olts?)?\b")
@@ -34,11 +35,16 @@ _INTERVAL = re.compile(r"(?i)^\W*(delta[ _]x|sample[ _]interval|sampling[ _]inte
 def delimited(source: BinaryIO, name: str, rate: float = np.nan) -> dict[str, Table]:
     """The Tables of a text file; of several below each other those of each, named by it."""
     coded = encoding(source, name)
-    head = _head(source, coded, name)
+    head, whole_head = _head(source, coded, name)
     if text := _without_brackets(source, coded, name, head):
         return prefixed("rows in brackets", delimited(text, name, rate))
-    if not rate > 0 and (text := upright(head)):
-        return prefixed("its rows as columns", delimited(text, name))
+    rows = head if whole_head else []
+    if text := upright(rows, timed=not rate > 0):
+        return prefixed("its rows as columns", delimited(text, name, rate))
+    if sum(bool(line.strip()) for line in rows) == 1 and upright(rows, timed=False):
+        problem = "its numbers stand in one row, and nothing says when each was read"
+        mend = "write the samples a second ⟨in rate_hz⟩"
+        raise InputError(name, problem, "a time for each, or the samples a second", mend)
     how = dialect(head, name, single=rate > 0)
     if (how is None or how.words) and (text := reworded(source, coded, name, surely=how is not None)):
         return prefixed("a word beside each number", delimited(text, name, rate))
@@ -102,17 +108,22 @@ class _Rows:
 def _without_brackets(source: BinaryIO, coded: str, name: str, head: Sequence[str]) -> BinaryIO | None:
     """The same text where each row stands in brackets, as a program prints its tuples or lists; None of another."""
     rows = [line for line in head if line.strip()]
-    if not rows or np.mean([bool(_BRACKETED.match(line)) for line in rows]) < _MOSTLY:
+    in_one = len(rows) < 2  # of a list as long as the head no line is whole
+    if not in_one and np.mean([bool(_BRACKETED.match(line)) for line in rows]) < _MOSTLY:
         return None
-    texts = (piece.decode(charset(coded), errors="replace") for _, piece in pieces_of(source, coded, name))
-    return io.BytesIO(_BRACKETED.sub(r"\1", "".join(texts)).encode())
+    text = "".join(
+        piece.decode(charset(coded), errors="replace") for _, piece in pieces_of(source, coded, name)
+    )
+    if in_one and len(_NEXT.findall(text, 0, HEAD)) < FEWEST:
+        return None
+    return io.BytesIO(_BRACKETED.sub(r"\1", _NEXT.sub(r"\1\n", text)).encode())
 
 
-def _head(source: BinaryIO, coded: str, name: str) -> list[str]:
-    """The first lines of a text, none of them cut short."""
+def _head(source: BinaryIO, coded: str, name: str) -> tuple[list[str], bool]:
+    """The first lines of a text, none of them cut short, and whether they are all."""
     _, piece = next(pieces_of(source, coded, name), (1, b""))
     lines = piece[:HEAD].decode(charset(coded), errors="replace").split("\n")
-    return lines if len(piece) <= HEAD else lines[:-1]
+    return (lines, True) if len(piece) <= HEAD else (lines[:-1], False)
 
 
 def _about(opening: Sequence[str]) -> dict[str, str]:

@@ -34,7 +34,9 @@ def of_one_sensor(table: Table, row: Row) -> Table:
     by_title = [name for name in table.names if _LABEL.fullmatch(name.strip())]
     found = {name: _labels(table, first, name) for name in by_title}
     if len(by_title) != 1:
-        few = (name for name in table.names if first[name].head(_LOOK).nunique() <= _MOST)
+        # what has a unit, as steps of time by two turns, is no label
+        bare = [one.name for one in table.meanings if not (one.unit or one.written or one.kind == TIME)]
+        few = (name for name in bare if first[name].head(_LOOK).nunique() <= _MOST)
         found = {name: known for name in few if _take_turns(known := _labels(table, first, name))}
     if len(found) != 1 or not np.any(known := next(iter(found.values()))):
         if asked:
