@@ -111,11 +111,11 @@ def _without_brackets(source: BinaryIO, coded: str, name: str, head: Sequence[st
     in_one = len(rows) < 2  # of a list as long as the head no line is whole
     if not in_one and np.mean([bool(_BRACKETED.match(line)) for line in rows]) < _MOSTLY:
         return None
-    text = "".join(
-        piece.decode(charset(coded), errors="replace") for _, piece in pieces_of(source, coded, name)
-    )
-    if in_one and len(_NEXT.findall(text, 0, HEAD)) < FEWEST:
+    texts = (piece.decode(charset(coded), errors="replace") for _, piece in pieces_of(source, coded, name))
+    first = next(texts, "")
+    if in_one and len(_NEXT.findall(first, 0, HEAD)) < FEWEST:
         return None
+    text = first + "".join(texts)
     return io.BytesIO(_BRACKETED.sub(r"\1", _NEXT.sub(r"\1\n", text)).encode())
 
 
