@@ -115,6 +115,8 @@ CM, MM, PX = 100 * X, 1e3 * X, 400 * X + 320
 HELD = np.r_[np.full(60, DEG[0]) + np.degrees(NOISE[:60]), DEG]
 HELD_T = np.arange(HELD.size) / RATE
 STILL = np.degrees(NOISE)
+NS = 1.7e18 + 1e9 * T
+PHONE = text(("time", "seconds_elapsed", "z", "y", "x"), NS, T, 0.01 * RATE_OF, RATE_OF, 0.02 * RATE_OF)
 CLIPPED = np.clip(DEG, -20, 20)
 TWICE = np.repeat(np.arange(T.size), np.where(np.arange(T.size) % 97 == 5, 2, 1))
 DEGREES = ("Time (s)", "Angle (deg)")
@@ -177,6 +179,11 @@ FILES = {
     "a gyroscope": ("a.csv", text(("Time (s)", "Gyroscope x (rad/s)", "Gyroscope y (rad/s)", "Gyroscope z (rad/s)"), T, 0.01 * RATE_OF, RATE_OF, 0.02 * RATE_OF), {}),
     "a board's gyroscope": ("a.csv", text(("time", "ax", "ay", "az", "gx", "gy", "gz"), T, *np.outer([0.1, 0, 9.81], np.cos(A)), *np.outer([0.01, 1, 0.02], np.degrees(RATE_OF))), {}),
     "parts of gravity": ("a.csv", text(("time", "gx", "gy", "gz"), T, 0 * T, 9.81 * np.sin(A), 9.81 * np.cos(A)), {}),
+    "Sensor Logger": ("Gyroscope.csv", PHONE, {}),
+    "Sensor Logger, packed": ("a.zip", archive(Gyroscope=PHONE, Accelerometer=PHONE), {"sheet": "Gyroscope.csv"}),
+    "Sensor Logger's other sensor": ("Accelerometer.csv", PHONE, {}),
+    "Sensor Logger's attitude": ("Orientation.csv", text(("time", "seconds_elapsed", "yaw", "qx", "roll", "pitch"), NS, T, NOISE, NOISE, A, NOISE), {}),
+    "two clocks": ("a.csv", text(("%time", "field.seq", "field.header.stamp", "field.angular_velocity.x"), NS, np.arange(T.size), NS, RATE_OF), {}),
     "a wrapped angle": ("a.csv", text(DEGREES, T, WRAPPED), {}),
     "a hole": ("a.csv", text(DEGREES, T[HOLE], DEG[HOLE]), {}),
     "lost samples": ("a.csv", text(DEGREES, T[LOST], DEG[LOST]), {}),

@@ -265,6 +265,7 @@ def _swing(
     # what drives a pendulum, the number of the sample, and what stands beside a table without a name are none, while there is another
     for is_none in (drives, numbers_rows, lambda name: name.startswith(UNNAMED)):
         others = [one for one in others if not is_none(one.name)] or others
+    others = [one for one in others if one.kind != TIME] or others  # another clock
     first = others[0]
     if stated in SIGNAL_RATES and (turning := next((one for one in others if one.kind == RATE), None)):
         return [turning]

@@ -28,6 +28,7 @@ from .elements import Columns
 from .layout import CLOCKED
 from .programs import saved_by_program
 from .runs import by_name, clock_part, several_runs
+from .sensor_logger import with_units
 from .sensors import of_one_sensor
 from .table import WHOLE, Table, prefixed
 
@@ -63,7 +64,7 @@ def table_of(source: BinaryIO, row: Row) -> Table:
     found = tables(source, row)
     named = {name: table for name, table in found.items() if name}
     if not named and WHOLE in found:
-        return of_one_sensor(found[WHOLE], row)
+        return of_one_sensor(with_units(found[WHOLE], str(row.get("sheet", "") or row["file"])), row)
     asked = str(row.get("run", ""))
     if asked and (named or not clock_part(asked)):
         return named[by_name(named, asked, row["file"])]
