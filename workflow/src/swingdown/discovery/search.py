@@ -213,7 +213,8 @@ class _Search:
         Something unnamed does in the place of an effect what that does not do without another one. Where it is the most probable, what may be
         as probable is looked for around the best structure of names alone.
         """
-        been, seen = {one.key for one in way}, set()
+        been = {one.key for one in way}
+        seen: set[Key] = set()
         best = self._settled()
         while best.key in been and self.pool.lacks(best) and not self.budget.spent:
             named = self.pool.best_named()

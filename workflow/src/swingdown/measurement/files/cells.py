@@ -22,6 +22,7 @@ STAMP = re.compile(
     rf"(?i)(?:\d{{1,4}}[-/.](?:\d{{1,2}}|[a-z]{{3}})[-/.]\d{{1,4}}[T ]\s*)?(?:{_CLOCK})(?:\s?[ap]m)?(?:Z|[+-]\d\d:?\d\d)?"
 )
 # What a serial monitor sets before each line: `12:03:11.245 -> 512`, `[12:03:11.245] 512`.
+_UNQUOTED = re.compile(r'^"([^"]*)"$')
 ARRIVAL = re.compile(rf"^\s*(?:({_CLOCK})\s*->|\[({_CLOCK})\](?:\s*->)?)[ \t]*")
 _HALF_A_DAY, _DAY = 43200.0, 86400.0
 
@@ -70,7 +71,7 @@ def without_groups(cell: str, thousands: str) -> str:
 def split(line: str, separator: str) -> list[str]:
     """The cells of a line. Between spaces, a unit in brackets belongs to the name before it."""
     if separator == SPACES:
-        return re.split(r"\s+(?![(\[])", line.strip())
+        return [_UNQUOTED.sub(r"\1", cell) for cell in re.split(r"\s+(?![(\[])", line.strip())]
     if '"' not in line:
         return [cell.strip() for cell in line.split(separator)]
     return [

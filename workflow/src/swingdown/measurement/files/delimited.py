@@ -22,8 +22,10 @@ from .table import WHOLE, Table, prefixed
 from .text import HEAD, charset, encoding, pieces_of
 from .worded import reworded
 
-_BRACKETED = re.compile(r"^[ \t]*[(\[]{1,2}([^()\[\]\n]*)[)\]]{1,2}[ \t,;]*\r?$", re.MULTILINE)
-_NEXT = re.compile(r"([)\]])[ \t,;]*(?=[(\[])")  # between two rows that stand in one line
+_BRACKETED = re.compile(
+    r"^[ \t]*(?:[(\[]{1,2}([^()\[\]\n]*)[)\]]{1,2}|\{{1,2}([^{}:=\n]*)\}{1,2})[ \t,;]*\r?$", re.MULTILINE
+)
+_NEXT = re.compile(r"([)\]}])[ \t,;]*(?=[(\[{])")  # between two rows that stand in one line
 _MOSTLY = 0.9  # of the rows; notes stand above and below
 # as oscilloscopes and LabVIEW state above or beside the rows what they measured
 _VOLTS = re.compile(r"(?i)^\s*(?:vertical[ _]units?|y[ _]unit[ _]label)[,;:\t ]+(?:ch\d:)?v(?:olts?)?\b")
@@ -116,7 +118,7 @@ def _without_brackets(source: BinaryIO, coded: str, name: str, head: Sequence[st
     if in_one and len(_NEXT.findall(first, 0, HEAD)) < FEWEST:
         return None
     text = first + "".join(texts)
-    return io.BytesIO(_BRACKETED.sub(r"\1", _NEXT.sub(r"\1\n", text)).encode())
+    return io.BytesIO(_BRACKETED.sub(r"\1\2", _NEXT.sub(r"\1\n", text)).encode())
 
 
 def _head(source: BinaryIO, coded: str, name: str) -> tuple[list[str], bool]:

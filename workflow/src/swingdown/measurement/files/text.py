@@ -14,6 +14,10 @@ LONGEST = 1 << 20  # bytes of a line: that of an office program's widest sheet, 
 # they begin with the sign itself, which is sought at once, and look behind it then
 _QUOTED = re.compile(rb"'(?<![^\n,;\t\" ]')([-+.]?\d[-+.,:\deE]*)'?(?![^\n,;\t\" ])")
 _ROW = re.compile(rb'(?m)^"([^"\n]*[,;\t][^"\n]*)"$')  # a row that was taken for one cell
+# degrees and minutes of arc, and seconds: `12°34.5'`
+_ARC = re.compile(
+    rb"([-+]?)(\d+)((?:\xc2)?\xb0) ?(\d+(?:\.\d+)?)(?:'|\xe2\x80\xb2)(?: ?(\d+(?:\.\d+)?)(?:''|\"|\xe2\x80\xb3))?"
+)
 _FORTRAN = re.compile(rb"[dD](?<=[\d.].)(?=[-+]\d)")  # its sign of an exponent: `0.35D+00`
 # a minus as programs write it in some countries, and the dash that word processors make of it
 _MINUS = re.compile(rb"\xe2\x88\x92(?=[\d.,])|(?<![\w.)])\xe2\x80\x93(?=[\d.,])")
@@ -78,6 +82,12 @@ def _no_text(name: str, why: str) -> InputError:
     return InputError(name, f"it is not text ({why})", "CSV, or netCDF", "convert it")
 
 
+def _in_degrees(found: re.Match[bytes]) -> bytes:
+    sign, degrees, mark, minutes, seconds = found.groups(default=b"0")
+    angle = int(degrees) + float(minutes) / 60 + float(seconds) / 3600
+    return sign.strip(b"0") + f"{angle:.6f}".encode() + mark
+
+
 def pieces_of(source: BinaryIO, encoding: str, name: str) -> Iterator[tuple[int, bytes]]:
     """Whole lines of a text, a megabyte at a time, each ended by a line feed, with the number of the first.
 
@@ -99,6 +109,7 @@ def pieces_of(source: BinaryIO, encoding: str, name: str) -> Iterator[tuple[int,
         cut = text.rfind(b"\n") + 1
         if cut:
             whole = _MINUS.sub(b"-", text[:cut])
+            whole = _ARC.sub(_in_degrees, whole) if b"\xb0" in whole else whole
             yield line, _FORTRAN.sub(b"E", _ROW.sub(rb"\1", _QUOTED.sub(rb"\1", whole)))
             line += text.count(b"\n", 0, cut)
         rest = text[cut:] + half
