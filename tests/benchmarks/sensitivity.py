@@ -39,7 +39,7 @@ SETTINGS = {
     "see.restricted": ("_ANY",),
     "search": ("_AGAIN",),
     "move.admissible": ("_VAGUE", "_HOPELESS"),
-    "move.ranking": ("_PROMISING", "_FIRST", "_FEW", "_LED", "_FAR", "_FELL_SHORT", "_SHAPES"),
+    "move.ranking": ("_PROMISING", "_FIRST", "_FEW", "_LED", "_MORE", "_FAR", "_FELL_SHORT", "_SHAPES"),
     "move.evidence": ("TIE",),
     "move.candidates": ("WIDEST", "_FIRST"),
     "move.mimics": ("_ALIKE",),

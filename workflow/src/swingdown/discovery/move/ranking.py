@@ -26,6 +26,7 @@ _FEW = 4  # effects tried in another one's place
 _LED = 2  # candidates led out of a false minimum
 _FAR = 2.0  # times the noise
 _FELL_SHORT = 1.02  # of what a linear step leaves: a fit that leaves more may be in a false minimum
+_MORE = 2.0  # times what a linear step promises: a fit may gain so much
 _SHAPES = 3  # of an effect, to start from where the first ones did not do
 
 
@@ -76,15 +77,16 @@ def _sized(here: Frame, starts: list[Start]) -> bool:
 
 
 def _may_pay(here: Frame, starts: Sequence[Start], noise: Noise) -> bool:
-    """True where twice what a linear step promises would make the model with these effects possible: its evidence has a price."""
+    """True where what a linear step promises, and more, would make the model with these effects possible: its evidence has a price."""
     catalogue, count = here.fit.model.catalogue, 1 + len(starts[0].also)
     price = count * (np.log(len(catalogue)) + 0.5 * np.log(noise.effective(here.fit.n)))
-    return bool(starts[0].predicted / noise.slow_variance > price + np.log(USUAL.possible))
+    gain = 0.5 * _MORE * starts[0].predicted / noise.slow_variance
+    return bool(gain > price + np.log(USUAL.possible))
 
 
 def _reaching(moves: list[list[Start]], here: Frame, reach: float) -> list[list[Start]]:
-    """The moves of which twice what a linear step promises would leave no more than ``reach`` (rad^2)."""
-    return [starts for starts in moves if here.fit.rss - 2 * starts[0].predicted <= reach]
+    """The moves of which what a linear step promises, and more, would leave no more than ``reach`` (rad^2)."""
+    return [starts for starts in moves if here.fit.rss - _MORE * starts[0].predicted <= reach]
 
 
 def _first(starts: list[Start]) -> list[Start]:
