@@ -44,7 +44,9 @@ from .next.proposal import NextSwing, next_swing
 from .rounds import first_fit, pool_of, round_of, unseen
 from .state import Round
 
-_AGAIN = 2  # times that what else would do may turn out to be more probable
+_AGAIN = (
+    2  # times that what else would do, or what is around the best of names, may turn out to be more probable
+)
 
 
 def discover(
@@ -213,14 +215,14 @@ class _Search:
         Something unnamed does in the place of an effect what that does not do without another one. Where it is the most probable, what may be
         as probable is looked for around the best structure of names alone.
         """
-        been = {one.key for one in way}
-        seen: set[Key] = set()
-        best = self._settled()
-        while best.key in been and self.pool.lacks(best) and not self.budget.spent:
+        been, best = {one.key for one in way}, self._settled()
+        tried = set(been)
+        for _ in range(_AGAIN):
             named = self.pool.best_named()
-            if named is None or named.key in been | seen:
-                return None
-            seen.add(named.key)
+            whole = best.key not in been or not self.pool.lacks(best)
+            if whole or self.budget.spent or named is None or named.key in tried:
+                break
+            tried.add(named.key)
             least = best.evidence + np.log(self.pool.criterion.possible) - named.plain
             self._look_around(named, named.fit.rss - 2 * self.pool.noise.slow_variance * least)
             self._heard(self._settled())
