@@ -90,8 +90,8 @@ def test_a_record_over_several_lines_is_a_row(here, lost):
 
 
 def test_what_stands_above_the_first_line_hides_no_names(here):
-    lines = ["sensor ready", *(f"AcX = {a:.2f} | GyY = {2 * a:.3f}" for a in ANGLES)]
-    with pytest.raises(InputError, match="column AcX"):
+    lines = ["sensor ready", *(f"AcX = {a:.2f} | AcZ = {2 * a:.3f}" for a in ANGLES)]
+    with pytest.raises(InputError, match="AcX, AcZ"):
         read(here, "\n".join(lines), "log")
 
 

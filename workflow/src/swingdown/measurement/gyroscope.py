@@ -21,17 +21,11 @@ FASTEST = 6.0  # times 2 pi over the period; a pendulum that goes to 175° and b
 
 def turning_most(names: Sequence[str], values: Sequence[Floats]) -> tuple[int, list[str]]:
     """Which of several axes turns most, by its place, and remarks on that; InputError where they are the parts of gravity."""
-    length = np.sqrt(np.sum(np.square(values), axis=0))
-    if len(values) > 1 and np.std(length) < SAME * np.mean(
-        length
-    ):  # of a rate it is nothing where the pendulum turns
+    length = np.sqrt(np.sum(np.square(values), axis=0))  # of a rate it is nothing where the pendulum turns
+    if len(values) > 1 and np.std(length) < SAME * np.mean(length):
         problem = f"together they are always about {np.mean(length):.3g} long, as the parts of gravity are, and no rate is"
-        raise InputError(
-            " ".join(names),
-            problem,
-            "a gyroscope's rates about its axes, or an angle",
-            "record the gyroscope",
-        )
+        expected = "a gyroscope's rates about its axes, or an angle"
+        raise InputError(" ".join(names), problem, expected, "record the gyroscope")
     spread = [float(np.std(one)) for one in values]
     most = int(np.argmax(spread))
     if len(names) < 2:

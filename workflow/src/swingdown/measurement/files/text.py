@@ -83,9 +83,9 @@ def _no_text(name: str, why: str) -> InputError:
 
 
 def _in_degrees(found: re.Match[bytes]) -> bytes:
-    sign, degrees, mark, minutes, seconds = found.groups(default=b"0")
-    angle = int(degrees) + float(minutes) / 60 + float(seconds) / 3600
-    return sign.strip(b"0") + f"{angle:.6f}".encode() + mark
+    sign, degrees, mark, minutes, seconds = found.groups()
+    angle = int(degrees) + float(minutes) / 60 + float(seconds or 0) / 3600
+    return sign + f"{angle:.6f}".encode() + mark
 
 
 def pieces_of(source: BinaryIO, encoding: str, name: str) -> Iterator[tuple[int, bytes]]:
