@@ -135,7 +135,7 @@ def _remains(found: Mapping[str, Any], catalogue: Catalogue) -> str:
     what = "Part of it" if remaining else "The rest" if found["effects"] else "It"
     may_be = f"{what} may be {joined}: not sure enough to be named{why}." if joined else ""
     if not remaining:
-        return f"{may_be} Nothing more is missing." if not found["effects"] else may_be
+        return f"{may_be} Nothing more is missing of the fitted swings." if not found["effects"] else may_be
     left = found["gap"]["left"]
     times, size = left["noise"], left.get("rad", left.get("rad_per_s"))
     rest = "The rest" if found["effects"] else "What remains"
