@@ -8,6 +8,7 @@ from swingdown.engine.trajectory import simulate
 from swingdown.errors import InputError
 from swingdown.fitting.least_squares import fit_jointly, fit_trajectory
 from swingdown.pendulum.model import Model
+from swingdown_trials.second_pendulum import trajectory
 
 SHORT = TIMES[:501]
 
@@ -92,3 +93,19 @@ def test_rough_fits_leave_what_exact_ones_leave():
     assert rough.rss == pytest.approx(exact.rss, rel=3e-6)
     for name, value in exact.model.values.items():
         assert abs(rough.model.values[name] - value) < 0.02 * exact.model.standard_errors[name]
+
+
+def test_each_swing_of_a_slow_sensor_begins_with_a_reading_of_its_own():
+    """Cut in the middle of the first half-swing, where the reading has neither settled nor follows steadily."""
+    values = {"natural_frequency": 5.0, "viscous_ratio": 0.01, "lag_time": 0.12}
+    times = np.arange(1001) / 100
+    rng, swings = np.random.default_rng(3), []
+    for release in (0.5, -0.6):
+        reading = trajectory(["viscous", "sensor_lag"], values, times, release).reading
+        swings.append((times[31:], (reading + 1e-4 * rng.standard_normal(times.size))[31:]))
+    fit = fit_jointly("viscous+sensor_lag", swings)
+    assert [swing.rms for swing in fit.swings] == pytest.approx([1e-4] * 2, rel=0.15)
+    error = fit.model.standard_errors["lag_time"]
+    assert fit.model.values["lag_time"] == pytest.approx(values["lag_time"], abs=4 * error)
+    first, second = (one.own["lag_start"] for one in fit.swings)
+    assert first * second < 0 and abs(first) > 0.003

@@ -23,4 +23,4 @@ def told(name):
 
 @pytest.mark.parametrize("name", SHIPPED.names)
 def test_the_effect_is_what_it_was(name):
-    held(FROZEN, SHIPPED.names, name, told(name))
+    held(FROZEN, SHIPPED.names, name, told(name), indent=1)

@@ -212,6 +212,7 @@ def trajectory(  # noqa: PLR0913
     pendulum = Pendulum(effects, values, duration, restoring, form, twins, accuracy)
     lag = values.get("lag_time", 0.0)
     first = _first_reading(lag, release_angle, release_velocity, values["natural_frequency"])
+    first += values.get("lag_start", 0.0)
     y = np.array([release_angle, release_velocity, 0.0, 0.0, first])
     pendulum.th_start = release_angle
     kinks = {}

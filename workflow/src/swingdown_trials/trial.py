@@ -204,7 +204,7 @@ def _draw_shape(
             values[parameter] = values[other] + distance
         return
     for parameter in catalogue[name].parameters:
-        if parameter == catalogue[name].size:
+        if parameter == catalogue[name].size or parameter.role == "start":
             continue
         if parameter.each:
             for one in own:

@@ -31,7 +31,7 @@ TERM_UNITS = {"torque": "1/s**2", "sensor": "1", "play": "1", "clock": "s"}
 _INPUT = re.compile(r"\binput(_rate|_curve)?\b")
 _SLOW, _NOTHING = 1e-300, 1e-9  # a speed (rad/s) so small, and a torque so small, that they are none
 
-Role = Literal["size", "shape", "phase", "delay"]
+Role = Literal["size", "shape", "phase", "start", "delay"]
 
 
 class Parameter(NamedTuple):
@@ -39,7 +39,7 @@ class Parameter(NamedTuple):
 
     ``role`` tells what it does: the effect is linear in a ``size`` and nothing is left of it at zero; a ``shape`` decides
     where or how fast it acts; a ``phase`` is an angle that turns a sine into a cosine; a
-    ``delay`` is that of a measured drive.
+    ``start`` is what a state has beyond its ``initial`` value; a ``delay`` is that of a measured drive.
     """
 
     name: str
@@ -68,6 +68,11 @@ class Parameter(NamedTuple):
     def least(self) -> float:
         """The value below which there is no such effect, or none the engine can follow: a lower bound above zero."""
         return self.lower if self.lower > 0 else -inf
+
+    @property
+    def usual(self) -> float:
+        """The value where nothing is said of it: the typical size, and of a start nothing."""
+        return 0.0 if self.role == "start" else self.typical
 
     def starting_values(self, natural_frequency: float) -> list[float]:
         """The values to start a search from, in the parameter's unit; ``natural_frequency`` in rad/s."""

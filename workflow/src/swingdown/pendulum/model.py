@@ -278,17 +278,18 @@ class Model:
         return bare.with_values(dict.fromkeys(bare.slack.parameters, 0.0) | values if values else {}, errors)
 
     def vector(self) -> list[float]:
-        """The values, each in its parameter's unit, in the order of ``parameters``.
+        """The values, each in its parameter's unit, in the order of ``parameters``; a start of which nothing is said is 0.
 
         Raises
         ------
         InputError
             If values are missing; it names them.
         """
-        if lost := [name for name in self.parameters if name not in self.values]:
+        values = {one.name: 0.0 for one in self.definitions if one.role == "start"} | dict(self.values)
+        if lost := [name for name in self.parameters if name not in values]:
             problem = f"no value for {', '.join(lost)}"
             raise InputError(f"model {self.label}", problem, "a value for each parameter")
-        return [float(self.values[name]) for name in self.parameters]
+        return [float(values[name]) for name in self.parameters]
 
 
 def as_model(model: Model | str | Sequence[str]) -> Model:

@@ -248,7 +248,7 @@ def _swings(settings, times, coefficient):
 def _values(settings, model):
     """The values that the settings give a model's parameters, by name."""
     return {
-        p.name: settings.get(f"simulation.{p.name}", settings.get(f"parameters.{p.name}", p.typical))
+        p.name: settings.get(f"simulation.{p.name}", settings.get(f"parameters.{p.name}", p.usual))
         for p in model.definitions
     }
 

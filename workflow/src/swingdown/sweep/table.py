@@ -247,7 +247,7 @@ def _one_simulated(axes, fixed, asked, where):
         for parameter in Model(truth, catalogue=catalogue(fixed.get("effects"))).definitions:
             named = f"{_PARAMETER}{parameter.name}"
             if f"simulation.{parameter.name}" not in READS["identification"] and named not in asked:
-                fixed.setdefault(named, float(parameter.typical))
+                fixed.setdefault(named, float(parameter.usual))
         for fitted in _values(axes).get("simulation.fitted", [fixed.get("simulation.fitted", [])]):
             if len(fitted) > 1 and truth not in fitted:
                 raise InputError(f"{where}, simulation.fitted", f"the simulated {truth!r} is not among the models fitted",

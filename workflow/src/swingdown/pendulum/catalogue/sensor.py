@@ -7,10 +7,10 @@ from ..effect import Contained, Effect, Parameter, State
 from .sources import METROLOGY
 
 # A pendulum that is let go was held, and the reading had come to the angle; one that swings already is followed steadily, at its
-# natural frequency. Which of the two a recording begins with is told by its velocity.
+# natural frequency. Which of the two a recording begins with is told by its velocity; between the two each has a reading of its own.
 _SETTLED = (
     "theta - (tau_l*thetadot + theta*tau_l**2*omega_n**2*thetadot**4/(thetadot**4 + (omega_n*theta/4)**4 + 1e-24*omega_n**4))"
-    "/(1 + tau_l**2*omega_n**2)"
+    "/(1 + tau_l**2*omega_n**2) + y_0"
 )
 
 SENSOR = (
@@ -25,7 +25,13 @@ SENSOR = (
     Effect(
         "sensor_lag",
         "y_l",
-        (Parameter("lag_time", "tau_l", "s", 1e-5, inf, "time constant", 0.01),),
+        (
+            Parameter("lag_time", "tau_l", "s", 1e-5, inf, "time constant", 0.01),
+            Parameter(
+                "lag_start", "y_0", "rad", -inf, inf, "of the reading at the first sample, from what a steady sensor reads",
+                role="start", each=True,
+            ),
+        ),
         "The sensor answers late, as through a filter.",
         METROLOGY,
         acts_on="sensor",
