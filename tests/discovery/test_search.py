@@ -50,6 +50,14 @@ def two():
     return campaign("two", swings(hidden, viscous_ratio=0.006, quadratic_coefficient=0.004, quadratic_stiffness=-0.8))  # fmt: skip
 
 
+def test_a_shape_that_ends_where_a_search_may_begin_is_told():
+    """Four notches a turn are the fewest there are: at that bound the order has no standard error."""
+    hidden = swings("viscous+detent", viscous_ratio=0.006, detent_torque=0.04, detent_order=4.0, detent_phase=-1.0, seed=0)  # fmt: skip
+    states = discover(campaign("notches", hidden), "viscous", allowed=("detent", "sensor_zero"))
+    assert states[-1].found == ("detent",)
+    assert states[-1].fit.model.values["detent_order"] == 4.0
+
+
 def test_two_effects_without_a_shape_are_named_before_one_with_a_shape(two):
     allowed = ("quadratic_drag", "quadratic_stiffness", "constant_torque", "presliding", "detent")
     states = discover(two, "viscous", rounds=3, allowed=allowed)

@@ -47,7 +47,7 @@ def inadmissible(fit: Fit, added: str | None, noise: Noise) -> str:
     if bound := at_its_bound(fit, added):
         return bound
     for parameter in effect.with_role("shape"):
-        if not parameter.each and _vague(fit, parameter.name, values[parameter.name]):
+        if not parameter.each and _vague(fit, parameter.name, values[parameter.name], parameter.starts):
             return f"{parameter.name} is not determined"
     return ""
 
@@ -105,14 +105,15 @@ def determined(fit: Fit) -> bool:
     """True where the data tell each shape of a fit's effects: of drag in a power of the speed beside viscous drag they may tell the sum
     alone, and to first order all values of both are open then."""
     return not any(
-        _vague(fit, one.name, fit.models[0].values[one.name])
+        _vague(fit, one.name, fit.models[0].values[one.name], one.starts)
         for name in fit.model.names
         for one in fit.model.catalogue[name].with_role("shape")
         if not one.each and fit.model.standard_errors.get(one.name) is not None
     )
 
 
-def _vague(fit: Fit, name: str, value: float) -> bool:
-    """True for a shape that the data leave anywhere: its standard error is beyond its own size."""
+def _vague(fit: Fit, name: str, value: float, ends: Sequence[float] = ()) -> bool:
+    """True for a shape that the data leave anywhere: its standard error is beyond its own size. At a bound it has none, and is told where it
+    may end there (``ends``)."""
     error = fit.model.standard_errors.get(name, 0.0)
-    return not np.isfinite(error) or error > _VAGUE * abs(value)
+    return not (np.isfinite(error) or value in ends) or error > _VAGUE * abs(value)
