@@ -32,6 +32,8 @@ ALL = {
                lambda t, x, v, z: -4 * x * np.exp(-((x / 0.3) ** 2)) - 4 * np.tanh(x) / 9),  # fmt: skip
     "timed": (effect("timed", "f*cos(g*t + pi/3)*(1 + t/duration) - log(1 + f)*sin(theta)*omega_n**2/20", {"f": 0.5, "g": 4.0}), {"f": 0.5, "g": 4.0},
               lambda t, x, v, z: 0.5 * np.cos(4 * t + np.pi / 3) * (1 + t / 3) - np.log(1.5) * np.sin(x) * OMEGA**2 / 20),  # fmt: skip
+    "constants": (effect("constants", "-k*sin(theta*pi/2) - k*exp(1)*sqrt(2)*theta", {"k": 0.5}), {"k": 0.5},
+                  lambda t, x, v, z: -0.5 * np.sin(x * np.pi / 2) - 0.5 * np.e * np.sqrt(2) * x),  # fmt: skip
     "heavy": (effect("heavy", "0", {"h": 0.2}, inertia="h*cos(theta)**2"), {"h": 0.2}, lambda t, x, v, z: 0.0),
     "memory": (effect("memory", "-k*z", {"k": 3.0, "r": 2.0}, states=(State("z", "1", "theta/2", "r*(thetadot - z)"),)), {"k": 3.0, "r": 2.0},
                lambda t, x, v, z: -3 * z),  # fmt: skip

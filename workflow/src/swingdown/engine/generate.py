@@ -37,6 +37,9 @@ class _Printer(C99CodePrinter):
     def _print_Pi(self, _):
         return "3.141592653589793"
 
+    def _print_Exp1(self, _):
+        return "2.718281828459045"
+
     def _print_sin(self, call):
         return f"sine({self._print(call.args[0])})"
 
@@ -69,7 +72,8 @@ class _LockstepPrinter(_Printer):
         return f"cosines({self._print(call.args[0])})"
 
 
-_printer, _lockstep_printer = _Printer(), _LockstepPrinter()
+# constants as numbers: M_PI_2 and its like are not of C99
+_printer, _lockstep_printer = (one({"math_macros": {}}) for one in (_Printer, _LockstepPrinter))
 
 
 def switches(*expressions):
