@@ -10,10 +10,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ...arrays import Floats
 from ...engine.trajectory import TrajectoryError
 from ...pendulum.effect import NATURAL_FREQUENCY, VARIABLES, Contained
 from ...pendulum.formula import evaluate
-from ..criterion import CLEAR, Doubt
+from ..criterion import CLEAR, USUAL, Doubt
 from ..data.noise import Noise
 from ..move.laws import damping
 from ..see import friction
@@ -328,23 +329,29 @@ def _nearly_in(best: Structure, name: str) -> list[str]:
 def _of_no_size(
     best: Structure, name: str, values: Mapping[str, float], errors: Mapping[str, float]
 ) -> list[str]:
-    """The effects that have no size, and whose torque over the angles of the swings is that of this one at a size as likely as its own: what
-    a weight does under a linear restoring torque, and a cubic spring."""
+    """The effects that have no size, and whose torque over the angles of the swings is, but for a small ``share``, that of this one at a size as
+    likely as its own: what a weight does under a linear restoring torque, and a cubic spring. What goes with the angle is the frequency's."""
     model, effect = best.fit.model, best.fit.model.catalogue[name]
-    if effect.size is None or effect.parameters != (effect.size,) or effect.acts_on != "torque":
+    others = [one for one in model.catalogue if not one.parameters and one.beside in ("", model.restoring)]
+    if effect.size is None or effect.states or effect.acts_on != "torque" or not others:
         return []
     angles = np.linspace(-1, 1, _ANGLES) * max(float(np.max(np.abs(one.angle))) for one in best.fit.swings)
     own = {"theta": angles, "duration": 1.0, "omega_n": values[NATURAL_FREQUENCY.name]}
     at = dict.fromkeys(VARIABLES, 0.0) | own
-    unit = evaluate(effect.term, **at, **{effect.size.symbol: 1.0}) * np.ones(_ANGLES)
-    if not np.any(unit):
-        return []
-    alike = (
-        Contained(other.name, {effect.size.name: float(evaluate(other.term, **at) @ unit / (unit @ unit))})
-        for other in model.catalogue
-        if not other.parameters and other.beside in ("", model.restoring)
-    )
-    return [one.name for one in alike if _as_likely(one, values, errors)]
+
+    def beyond(torque: Floats) -> Floats:
+        return torque - angles * (angles @ torque) / (angles @ angles)
+
+    shape = {one.symbol: values[one.name] for one in effect.parameters} | {effect.size.symbol: 1.0}
+    unit = beyond(evaluate(effect.term, **at, **shape) * np.ones(_ANGLES))
+    found = []
+    for other in others:
+        torque = beyond(evaluate(other.term, **at))
+        size = float(torque @ unit / (unit @ unit)) if np.any(unit) else 0.0
+        alike = np.linalg.norm(torque - size * unit) <= USUAL.share * np.linalg.norm(torque)
+        if alike and _as_likely(Contained(other.name, {effect.size.name: size}), values, errors):
+            found.append(other.name)
+    return found
 
 
 def _as_likely(simpler: Contained, values: Mapping[str, float], errors: Mapping[str, float]) -> bool:
