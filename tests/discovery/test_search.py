@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from swingdown.discovery import search
 from swingdown.discovery.criterion import Criterion
 from swingdown.discovery.data.campaign import Swing, campaign
 from swingdown.discovery.data.noise import Noise, coarse_noise
@@ -14,7 +15,7 @@ from swingdown.discovery.move import refit as guarded
 from swingdown.discovery.move.admissible import inadmissible
 from swingdown.discovery.move.candidates import without
 from swingdown.discovery.move.pairs import starts_of_pairs
-from swingdown.discovery.move.refit import refit
+from swingdown.discovery.move.refit import refit, with_effect
 from swingdown.discovery.rounds import first_fit
 from swingdown.discovery.search import discover
 from swingdown.discovery.see.linear import frame
@@ -50,12 +51,30 @@ def two():
     return campaign("two", swings(hidden, viscous_ratio=0.006, quadratic_coefficient=0.004, quadratic_stiffness=-0.8))  # fmt: skip
 
 
-def test_a_shape_that_ends_where_a_search_may_begin_is_told():
-    """Four notches a turn are the fewest there are: at that bound the order has no standard error."""
+@pytest.fixture(scope="module")
+def notches():
+    """Four notches a turn, the fewest there are."""
     hidden = swings("viscous+detent", viscous_ratio=0.006, detent_torque=0.04, detent_order=4.0, detent_phase=-1.0, seed=0)  # fmt: skip
-    states = discover(campaign("notches", hidden), "viscous", allowed=("detent", "sensor_zero"))
+    return campaign("notches", hidden)
+
+
+def test_a_shape_that_ends_where_a_search_may_begin_is_told(notches):
+    """At its bound it has no standard error."""
+    states = discover(notches, "viscous", allowed=("detent", "sensor_zero"))
     assert states[-1].found == ("detent",)
     assert states[-1].fit.model.values["detent_order"] == 4.0
+
+
+def test_what_is_looked_at_to_tell_is_told_where_it_is_more_probable(notches, monkeypatch):
+    real, values = search.told_of, {"detent_torque": 0.04, "detent_order": 4.0, "detent_phase": -1.0}
+    assert discover(notches, "viscous", rounds=1, allowed=["constant_torque"])[-1].found == ()
+
+    def told_of(pool, best):
+        pool.look(refit(with_effect(pool.first.fit.begin, "detent", values), notches.fit, ended=True))
+        return real(pool, best)
+
+    monkeypatch.setattr(search, "told_of", told_of)
+    assert discover(notches, "viscous", rounds=1, allowed=["constant_torque"])[-1].found == ("detent",)
 
 
 def test_two_effects_without_a_shape_are_named_before_one_with_a_shape(two):

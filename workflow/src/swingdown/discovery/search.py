@@ -142,10 +142,13 @@ class _Search:
 
     def told(self, way: list[Structure]) -> list[Round]:
         """The rounds of the way, the last with what is judged."""
-        pool, way = self.pool, self._followed(way)
+        pool, way, best = self.pool, self._followed(way), self.pool.best.key
         if not pool.added(way[-1].key) and pool.lacks(way[-1]):
             way = [*way, *stand_in(pool)]
         last, found = told_of(pool, way[-1])
+        looked_at = pool.best.key not in (best, way[0].key) and pool.follows(pool.best.fit)
+        if looked_at and pool.nothing() <= pool.criterion.possible:
+            return self.told([way[0], pool.best])  # more probable than what it was looked at to judge
         way = way if last.key == way[-1].key else [way[0], *way[1:-1], last]
         sure = any(one.sure for one in found.values())
         try:
