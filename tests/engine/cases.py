@@ -47,7 +47,7 @@ RANGES = {
     "wind_speed": (-2.0, 2.0),
     "backlash_width": (1e-4, 0.1),
     "lag_time": (1e-3, 0.2),
-    "lag_start": (-0.3, 0.3),
+    "lag_start": (0.0, 1.5),
     "eccentricity": (1e-3, 0.1),
     "eccentricity_phase": (-3.0, 3.0),
     "sensor_gain": (-0.3, 0.3),

@@ -95,7 +95,7 @@ def test_rough_fits_leave_what_exact_ones_leave():
         assert abs(rough.model.values[name] - value) < 0.02 * exact.model.standard_errors[name]
 
 
-def test_each_swing_of_a_slow_sensor_begins_with_a_reading_of_its_own():
+def test_a_slow_sensor_is_not_steady_a_quarter_of_a_swing_after_the_release():
     """Cut in the middle of the first half-swing, where the reading has neither settled nor follows steadily."""
     values = {"natural_frequency": 5.0, "viscous_ratio": 0.01, "lag_time": 0.12}
     times = np.arange(1001) / 100
@@ -103,9 +103,8 @@ def test_each_swing_of_a_slow_sensor_begins_with_a_reading_of_its_own():
     for release in (0.5, -0.6):
         reading = trajectory(["viscous", "sensor_lag"], values, times, release).reading
         swings.append((times[31:], (reading + 1e-4 * rng.standard_normal(times.size))[31:]))
-    fit = fit_jointly("viscous+sensor_lag", swings)
+    fit = fit_jointly("viscous+sensor_lag", swings, bounded=True)
     assert [swing.rms for swing in fit.swings] == pytest.approx([1e-4] * 2, rel=0.15)
     error = fit.model.standard_errors["lag_time"]
     assert fit.model.values["lag_time"] == pytest.approx(values["lag_time"], abs=4 * error)
-    first, second = (one.own["lag_start"] for one in fit.swings)
-    assert first * second < 0 and abs(first) > 0.003
+    assert fit.model.values["lag_start"] == pytest.approx(1, abs=0.5)

@@ -211,8 +211,8 @@ def trajectory(  # noqa: PLR0913
     true = stamped + (values["clock_drift"] * stamped**2 / duration if "clock_drift" in effects else 0.0)
     pendulum = Pendulum(effects, values, duration, restoring, form, twins, accuracy)
     lag = values.get("lag_time", 0.0)
-    first = _first_reading(lag, release_angle, release_velocity, values["natural_frequency"])
-    first += values.get("lag_start", 0.0)
+    frequency, begun = values["natural_frequency"], values.get("lag_start", 0.0)
+    first = _first_reading(lag, release_angle, release_velocity, frequency, begun)
     y = np.array([release_angle, release_velocity, 0.0, 0.0, first])
     pendulum.th_start = release_angle
     kinks = {}
@@ -264,13 +264,18 @@ def trajectory(  # noqa: PLR0913
     return motion
 
 
-def _first_reading(lag, angle, velocity, frequency):
+def _first_reading(lag, angle, velocity, frequency, begun):
     """What a slow sensor reads at first (rad): the angle where the pendulum was held, what a steady swing leaves of it where it
-    swings; a quarter of a swing's own velocity tells half and half."""
+    swings; a quarter of a swing's own velocity tells half and half. Of a pendulum that has ``begun`` (1) a quarter of a swing before, when it
+    was let go, the sensor is behind by what is left of the way from the angle to the steady reading."""
     swinging = velocity**4 / (velocity**4 + (frequency * angle / 4) ** 4 + (1e-6 * frequency) ** 4)
-    phasor = complex(angle, -velocity / frequency) / complex(1, lag * frequency)
-    late = -lag * velocity / abs(complex(1, lag * frequency)) ** 2
-    return swinging * phasor.real + (1 - swinging) * (angle + late)
+    turn = complex(1, lag * frequency)
+    phasor = complex(angle, -velocity / frequency) / turn
+    late = -lag * velocity / abs(turn) ** 2
+    first = swinging * phasor.real + (1 - swinging) * (angle + late)
+    if not begun:
+        return first
+    return first - begun * (1 - (1 / turn).real) * velocity / frequency * np.exp(-np.pi / 2 / turn.imag)
 
 
 def _read(effects, values, angle, lagging, pieces, release_angle):

@@ -39,7 +39,7 @@ class Parameter(NamedTuple):
 
     ``role`` tells what it does: the effect is linear in a ``size`` and nothing is left of it at zero; a ``shape`` decides
     where or how fast it acts; a ``phase`` is an angle that turns a sine into a cosine; a
-    ``start`` is what a state has beyond its ``initial`` value; a ``delay`` is that of a measured drive.
+    ``start`` tells how the recordings begin; a ``delay`` is that of a measured drive.
     """
 
     name: str

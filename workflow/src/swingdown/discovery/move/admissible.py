@@ -58,7 +58,7 @@ def at_its_bound(fit: Fit, name: str) -> str:
     effect = fit.model.catalogue[name]
     ends = {parameter for simpler in effect.contains for parameter, at in simpler.at.items() if at == 0}
     for parameter in effect.parameters:
-        if parameter.role == "phase" or parameter.name in ends:
+        if parameter.role in ("phase", "start") or parameter.name in ends:
             continue
         value = fit.models[0].values[parameter.name]
         if value >= parameter.upper * (1 - 1e-9):

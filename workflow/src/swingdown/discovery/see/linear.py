@@ -76,7 +76,7 @@ class Frame:
         kept = [k for k, name in enumerate(self.names) if name not in gone]
         residual = self.residual.copy()
         for k, name in enumerate(self.names):
-            if name in gone and gone[name].role in ("size", "start"):
+            if name in gone and gone[name].role == "size":
                 residual += self.slopes[:, k] * self.fit.models[max(self.of[k], 0)].values[name]
         names, of = [self.names[k] for k in kept], [self.of[k] for k in kept]
         return replace(self, residual=residual, slopes=self.slopes[:, kept], names=tuple(names), of=tuple(of))
@@ -169,7 +169,7 @@ def columns_of(
 ) -> Floats:
     """What each of the ``free`` parameters of one further effect does to the angles, at the given values of all of them.
 
-    An array (samples, len(free)), or where each recording has a phase of its own, (samples, swings * len(free)) with zeros
+    An array (samples, len(free)), or where a parameter is each recording's own, (samples, swings * len(free)) with zeros
     outside the recording; ``rough`` as in ``sensitivities``. TrajectoryError where the engine cannot follow it, or what it follows grows
     without end.
     """
@@ -182,7 +182,7 @@ def columns_of(
         blocks.append(sensitivities(wider, swing.times, *release, free=free, rough=rough)[1].T)
         if not np.max(np.abs(blocks[-1])) < _BEYOND:
             raise TrajectoryError(f"{effect.name}: what it does grows without end")
-    if not any(one.each for one in effect.with_role("phase")):
+    if not effect.each:
         return np.concatenate(blocks)
     wide = np.zeros((frame.samples, len(blocks) * len(free)))
     for k, block in enumerate(blocks):

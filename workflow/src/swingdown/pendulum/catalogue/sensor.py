@@ -7,17 +7,18 @@ from ..effect import Contained, Effect, Parameter, State
 from .sources import METROLOGY
 
 # A pendulum that is let go was held, and the reading had come to the angle; one that swings already is followed steadily, at its
-# natural frequency. Which of the two a recording begins with is told by its velocity; between the two each has a reading of its own.
+# natural frequency. Which of the two a recording begins with is told by its velocity. One that was let go a quarter of a swing before its
+# first sample is not followed steadily yet.
 _SETTLED = (
-    "theta - (tau_l*thetadot + theta*tau_l**2*omega_n**2*thetadot**4/(thetadot**4 + (omega_n*theta/4)**4 + 1e-24*omega_n**4))"
-    "/(1 + tau_l**2*omega_n**2) + y_0"
+    "theta - (tau_l*thetadot + theta*tau_l**2*omega_n**2*thetadot**4/(thetadot**4 + (omega_n*theta/4)**4 + 1e-24*omega_n**4)"
+    " + w_l*thetadot*tau_l**2*omega_n*exp(-pi/(2*omega_n*tau_l)))/(1 + tau_l**2*omega_n**2)"
 )
 
 SENSOR = (
     Effect(
         "backlash",
         "w_p",
-        (Parameter("backlash_width", "w_p", "rad", 0.0, inf, "of the dead band", 0.005, largest=0.2),),
+        (Parameter("backlash_width", "w_p", "rad", 0.0, pi, "of the dead band", 0.005, largest=0.2),),
         "The sensor's coupling has play: at each turning point it waits before it follows.",
         "Visintin, Differential Models of Hysteresis (1994), the play operator",
         acts_on="play",
@@ -28,8 +29,8 @@ SENSOR = (
         (
             Parameter("lag_time", "tau_l", "s", 1e-5, inf, "time constant", 0.01),
             Parameter(
-                "lag_start", "y_0", "rad", -inf, inf, "of the reading at the first sample, from what a steady sensor reads",
-                role="start", each=True,
+                "lag_start", "w_l", "1", -1.0, 3.0, "of recordings: 0 begins in a steady swing, 1 a quarter of a swing after the release",
+                0.5, role="start",
             ),
         ),
         "The sensor answers late, as through a filter.",
