@@ -330,17 +330,18 @@ def _of_no_size(
     best: Structure, name: str, values: Mapping[str, float], errors: Mapping[str, float]
 ) -> list[str]:
     """The effects that have no size, and whose torque over the angles of the swings is, but for a small ``share``, that of this one at a size as
-    likely as its own: what a weight does under a linear restoring torque, and a cubic spring. What goes with the angle is the frequency's."""
+    likely as its own: what a weight does under a linear restoring torque, and a cubic spring. What is there in small swings is the frequency's."""
     model, effect = best.fit.model, best.fit.model.catalogue[name]
     others = [one for one in model.catalogue if not one.parameters and one.beside in ("", model.restoring)]
     if effect.size is None or effect.states or effect.acts_on != "torque" or not others:
         return []
     angles = np.linspace(-1, 1, _ANGLES) * max(float(np.max(np.abs(one.angle))) for one in best.fit.swings)
     own = {"theta": angles, "duration": 1.0, "omega_n": values[NATURAL_FREQUENCY.name]}
-    at = dict.fromkeys(VARIABLES, 0.0) | own
+    at, middle = dict.fromkeys(VARIABLES, 0.0) | own, _ANGLES // 2
 
     def beyond(torque: Floats) -> Floats:
-        return torque - angles * (angles @ torque) / (angles @ angles)
+        after, before = middle + 1, middle - 1
+        return torque - angles * (torque[after] - torque[before]) / (angles[after] - angles[before])
 
     shape = {one.symbol: values[one.name] for one in effect.parameters} | {effect.size.symbol: 1.0}
     unit = beyond(evaluate(effect.term, **at, **shape) * np.ones(_ANGLES))
