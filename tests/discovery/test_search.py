@@ -11,6 +11,7 @@ from swingdown.discovery import search
 from swingdown.discovery.criterion import Criterion
 from swingdown.discovery.data.campaign import Swing, campaign
 from swingdown.discovery.data.noise import Noise, coarse_noise
+from swingdown.discovery.judge.findings import Finding
 from swingdown.discovery.move import refit as guarded
 from swingdown.discovery.move.admissible import inadmissible
 from swingdown.discovery.move.candidates import without
@@ -75,6 +76,20 @@ def test_what_is_looked_at_to_tell_is_told_where_it_is_more_probable(notches, mo
 
     monkeypatch.setattr(search, "told_of", told_of)
     assert discover(notches, "viscous", rounds=1, allowed=["constant_torque"])[-1].found == ("detent",)
+
+
+def test_of_what_is_told_it_is_asked_what_else_would_do(two, monkeypatch):
+    """What takes away too little is left out to tell the rest: another structure than the most probable one."""
+    doubt, asked = search._Search._doubt, []
+
+    def told_of(pool, best):
+        fewer = pool.lacking(best, ["quadratic_drag"])[0]
+        return fewer, {"quadratic_stiffness": Finding(1.0)}
+
+    monkeypatch.setattr(search, "told_of", told_of)
+    monkeypatch.setattr(search._Search, "_doubt", lambda of, last: asked.append(last.key) or doubt(of, last))
+    discover(two, "viscous", rounds=3, allowed=("quadratic_drag", "quadratic_stiffness"))
+    assert asked.count(frozenset({"viscous", "quadratic_stiffness"})) == 1
 
 
 def test_two_effects_without_a_shape_are_named_before_one_with_a_shape(two):

@@ -111,6 +111,7 @@ class _Search:
             self.pool = pool_of(campaign, base, criterion=criterion)
         self.ranked: dict[Key, list[Candidate]] = {}  # by structure, what was tried there
         self.with_laws: set[Key] = set()  # what each law of damping was tried beside
+        self.doubted: set[Key] = set()  # the structures of which it was asked what else would do
 
     def searched(self, rounds: int) -> list[Structure]:
         """The way to the most probable structure."""
@@ -142,10 +143,14 @@ class _Search:
 
     def told(self, way: list[Structure]) -> list[Round]:
         """The rounds of the way, the last with what is judged."""
-        pool, way, best = self.pool, self._followed(way), self.pool.best.key
+        pool, way = self.pool, self._followed(way)
         if not pool.added(way[-1].key) and pool.lacks(way[-1]):
             way = [*way, *stand_in(pool)]
+        best = pool.best.key
         last, found = told_of(pool, way[-1])
+        if any(one.sure for one in found.values()) and last.key not in self.doubted:
+            self._doubt(last)  # of fewer effects than the most probable structure has
+            last, found = told_of(pool, way[-1])
         looked_at = pool.best.key not in (best, way[0].key) and pool.follows(pool.best.fit)
         if looked_at and pool.nothing() <= pool.criterion.possible:
             return self.told([way[0], pool.best])  # more probable than what it was looked at to judge
@@ -284,6 +289,7 @@ class _Search:
     def _doubt(self, last: Structure) -> None:
         """What else would do: the structure without each of its effects, those of the base too, with another in the place of each, and with
         each law of damping."""
+        self.doubted.add(last.key)
         for name in self.pool.base & last.key if len(last.key) > 1 else ():
             if not self.budget.spent:
                 self.pool.lacking(last, [name])
