@@ -29,7 +29,7 @@ SENSOR = (
         (
             Parameter("lag_time", "tau_l", "s", 1e-5, inf, "time constant", 0.01),
             Parameter(
-                "lag_start", "w_l", "1", -1.0, 3.0, "of recordings: 0 begins in a steady swing, 1 a quarter of a swing after the release",
+                "lag_start", "w_l", "1", -3.0, 3.0, "of recordings: 0 begins in a steady swing, 1 a quarter of a swing after the release",
                 0.5, role="start",
             ),
         ),
