@@ -8,9 +8,9 @@
    probable without what of the base is idle in them.
 5. Judge each effect that it adds by the numbers of ``criterion`` (``judge``). Swings that are held out are asked here, and nowhere before. Effects
    that take away too little of what is missing are left out one by one, where any is left that takes away enough. Of effects that are tied
-   a less probable one may be told that leaves less. Friction and drag
-   may be sure without a name: by the discrepancy, or by the envelope of the swings (``envelope``). Where something unnamed does as well as
-   any name, the most probable of these is judged (``stand_in``).
+   a less probable one may be told that leaves less. Of what is told step 4 is asked, too, and what is found to be more probable is judged
+   instead. Friction and drag may be sure without a name: by the discrepancy, or by the envelope of the swings (``envelope``). Where something
+   unnamed does as well as any name, the most probable of these is judged (``stand_in``).
 6. Fit each law of damping beside what else the structure has: the pendulum's values are told from all of them (``conclusion``).
 
 The discrepancy in every structure is that of Kennedy and O'Hagan, J. R. Stat. Soc. B 63, 425 (2001).
