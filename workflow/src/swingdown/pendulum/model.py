@@ -285,7 +285,7 @@ class Model:
         InputError
             If values are missing; it names them.
         """
-        values = {one.name: 0.0 for one in self.definitions if one.role == "start"} | dict(self.values)
+        values = {one.name: one.usual for one in self.definitions if one.role == "start"} | dict(self.values)
         if lost := [name for name in self.parameters if name not in values]:
             problem = f"no value for {', '.join(lost)}"
             raise InputError(f"model {self.label}", problem, "a value for each parameter")

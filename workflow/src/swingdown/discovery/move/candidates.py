@@ -75,7 +75,7 @@ def starts_to_add(frame: Frame, name: str, best: int = 2, dropped: str | None = 
     for shape in product(*(_starting_values(frame, parameter) for parameter in shapes)):
         values = {p.name: float(value) for p, value in zip(shapes, shape, strict=True)}
         values |= {p.name: 0.0 if p.lower <= 0 else _FIRST * p.typical for p in sizes}
-        values |= {p.name: 0.0 for p in effect.with_role("start")}
+        values |= {p.name: p.usual for p in effect.with_role("start")}
         try:
             columns = np.hstack([columns_of(frame, effect, values | one, free, rough=True) for one in sides])
         except TrajectoryError:
