@@ -45,6 +45,7 @@ class Line:
         self.port = os.ttyname(slave)
         os.close(slave)
         self._thread, self._over, self.begun = None, threading.Event(), threading.Event()
+        self._unplugging = threading.Lock()  # a timer may unplug it while the test ends
 
     def send(self, data):
         os.write(self._board, data)
@@ -81,9 +82,10 @@ class Line:
             pass
 
     def unplug(self):
-        if self._board is not None:
-            os.close(self._board)
-            self._board = None
+        with self._unplugging:
+            if self._board is not None:
+                os.close(self._board)
+                self._board = None
 
     def _end(self):
         self._over.set()
