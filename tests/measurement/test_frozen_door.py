@@ -164,6 +164,8 @@ FILES = {
     "a position and a length": ("a.csv", text(("t (s)", "x (cm)"), T, CM), {"length": "0.600(1)"}),
     "a position alone": ("a.csv", text(("t (s)", "x (mm)"), T, MM), {}),
     "a position of a wheel": ("a.csv", text(("t (s)", "x (m)"), T, X), {"restoring": "linear"}),
+    "a film's hundredths": ("a.txt", b"#Kinovea Trajectory data export\n#T X Y\n" + "".join(f"0:00:{int(a):02d}:{round(100 * a) % 100:02d} {b:.2f} {c:.2f} \n" for a, b, c in zip(T, PX, 240 - 400 * Y, strict=True)).encode(), {}),
+    "a film's frames": ("a.txt", b"T X Y\n" + "".join(f"0:00:{k // 50:02d}:{k % 50:02d} {b:.2f} {c:.2f} \n" for k, (b, c) in enumerate(zip(PX, 240 - 400 * Y, strict=True))).encode(), {}),
     "counts": ("a.csv", text(("t (s)", "counts"), T, COUNTS), {"counts_per_revolution": "4096"}),
     "counts per turn in words": ("a.csv", text(("t (s)", "counts"), T, COUNTS), {"counts_per_revolution": "many"}),
     "counts without their number": ("a.csv", text(("t (s)", "counts"), T, COUNTS), {}),

@@ -112,3 +112,18 @@ def test_a_swing_without_a_time_is_refused(take, beside, problem, mend):
 def test_what_is_called_a_time_is_no_swing(take):
     with pytest.raises(InputError, match="column t.* a time is no angle"):
         take("t,angle\n" + "".join(f"{t:.3f},{x:.4f}\n" for t, x in zip(TIMES, ANGLE, strict=True)), signal_column="t")  # fmt: skip
+
+
+@pytest.mark.parametrize(("parts", "digits"), [(100, 2), (1000, 3)])
+def test_a_films_times_have_their_fractions_behind_a_third_colon(tmp_path, parts, digits):
+    """As Kinovea writes them; below 60 they might as well be frames, which are no hundredths."""
+    units = np.round(TIMES * parts).astype(int)
+    stamps = [f"0:00:{one // parts:02d}:{one % parts:0{digits}d}" for one in units]
+    lines = [f"{stamp} {angle:.3f}" for stamp, angle in zip(stamps, ANGLE, strict=True)]
+    (file := tmp_path / "film.txt").write_text("T angle(deg)\n" + "\n".join(lines))
+    found = ingest({**COLUMNS, "recording": "a", "file": str(file)})
+    assert np.allclose(found["time"], TIMES, atol=1e-9) and np.allclose(found["signal"], ANGLE, atol=1e-3)
+    frames = [f"0:00:{k // 10:02d}:{k % 10:02d} {angle:.3f}" for k, angle in enumerate(ANGLE)]
+    file.write_text("T angle(deg)\n" + "\n".join(frames))
+    with pytest.raises(InputError):
+        ingest({**COLUMNS, "recording": "a", "file": str(file)})

@@ -18,6 +18,9 @@ _ROW = re.compile(rb'(?m)^"([^"\n]*[,;\t][^"\n]*)"$')  # a row that was taken fo
 _ARC = re.compile(
     rb"([-+]?)(\d+)((?:\xc2)?\xb0) ?(\d+(?:\.\d+)?)(?:'|\xe2\x80\xb2)(?: ?(\d+(?:\.\d+)?)(?:''|\"|\xe2\x80\xb3))?"
 )
+# a video's times with hundredths or thousandths of a second behind a third colon: `0:00:01:67`; up to 59 they might as well be frames
+_VIDEO = re.compile(rb"(?<![\d:])(\d{1,2}:\d\d:\d\d):(\d{2,3})(?![\d:])")
+_NO_FRAMES = re.compile(rb"(?<![\d:])\d{1,2}:\d\d:\d\d:(?:[6-9]\d|\d{3})(?![\d:])")
 _FORTRAN = re.compile(rb"[dD](?<=[\d.].)(?=[-+]\d)")  # its sign of an exponent: `0.35D+00`
 # a minus as programs write it in some countries, and the dash that word processors make of it
 _MINUS = re.compile(rb"\xe2\x88\x92(?=[\d.,])|(?<![\w.)])\xe2\x80\x93(?=[\d.,])")
@@ -95,7 +98,7 @@ def pieces_of(source: BinaryIO, encoding: str, name: str) -> Iterator[tuple[int,
     """
     source.seek(0)
     decoder = codecs.getincrementaldecoder(encoding)("replace") if encoding.startswith("utf-16") else None
-    line, rest, ended = 1, b"", False
+    line, rest, ended, parts = 1, b"", False, False
     while not ended:
         raw = source.read(PIECE)
         ended = not raw
@@ -110,6 +113,8 @@ def pieces_of(source: BinaryIO, encoding: str, name: str) -> Iterator[tuple[int,
         if cut:
             whole = _MINUS.sub(b"-", text[:cut])
             whole = _ARC.sub(_in_degrees, whole) if b"\xb0" in whole else whole
+            parts = parts or bool(_NO_FRAMES.search(whole))
+            whole = _VIDEO.sub(rb"\1.\2", whole) if parts else whole
             yield line, _FORTRAN.sub(b"E", _ROW.sub(rb"\1", _QUOTED.sub(rb"\1", whole)))
             line += text.count(b"\n", 0, cut)
         rest = text[cut:] + half
