@@ -2,8 +2,10 @@
 
 import re
 
+import numpy as np
 import pytest
 
+import swingdown
 from swingdown.answer.options import CELLS, TO_READ, TO_THE_COMMAND
 from swingdown.errors import SHEET, InputError, as_told, told_to
 from swingdown.measurement.sheet import COLUMNS
@@ -38,3 +40,19 @@ def test_each_setting_that_a_text_names_is_one(root):
     names = {name for text in texts for name in re.findall(r"⟨(?:in )?(\w+)", text)}
     assert len(names) > 8 and names <= {*COLUMNS, "restoring"}
     assert {*CELLS} <= {*COLUMNS}
+
+
+def test_what_the_mend_of_a_path_names_can_be_said_in_the_call(tmp_path):
+    """A column of readings without times asks for their rate, and ``fit`` takes it as ``read`` does."""
+    angle = 0.2 * np.exp(-0.02 * np.arange(0, 20, 0.02)) * np.cos(5 * np.arange(0, 20, 0.02))
+    np.savetxt(file := tmp_path / "a.txt", angle + np.random.default_rng(3).normal(0, 1e-4, angle.size))
+    with pytest.raises(InputError, match="rate="):
+        swingdown.fit(file)
+    found = swingdown.fit(file, rate=50, unit="rad", stop=15, restoring="linear")
+    assert abs(found["period"].value - 2 * np.pi / 5) < 1e-3 and found.swings[0]["time"].values[-1] <= 15
+    with pytest.raises(InputError, match="argument rat.*say rate="):
+        swingdown.fit(file, rat=50)
+    with pytest.raises(InputError, match="no such argument"):
+        swingdown.fit(np.arange(angle.size) / 50, angle, rate=50)
+    with pytest.raises(InputError, match="zero_tolerance= to swingdown.read"):
+        swingdown.fit(swingdown.read(file, rate=50, unit="rad"), zero_tolerance=0.2)

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from os import PathLike
-from typing import Any, Literal, TypeAlias, Unpack
+from typing import Any, Literal, TypeAlias, Unpack, cast
 
 import numpy as np
 import pandas as pd
@@ -49,7 +49,7 @@ from ..studies.quantities import Quantity
 from ..studies.unscaled import without_scale
 from .given import Said, asked, swings
 from .options import TO_FIT
-from .recorded import Recording, Restoring, Told, read, shown_with
+from .recorded import OfAFile, Recording, Restoring, Told, read, shown_with
 from .result import Answer, Begin
 from .simulation import simulate
 
@@ -61,6 +61,12 @@ Swings: TypeAlias = (
 """What holds times, angles, or both: arrays (masked ones too, and quantities of pint), tables and labelled arrays; a recording; a path."""
 Unit = Literal["rad", "deg", "rad/s", "deg/s", "V"]
 Kind = Literal["", "swing", "turning_points", "half_swings", "passages", "periods"]
+
+
+class More(Said, OfAFile, total=False):
+    """What ``fit`` and ``explain`` take beside."""
+
+
 BASE = BASES["sine"]
 NO_UNIT = "no unit is stated, and as angles these are not a pendulum's"
 
@@ -76,7 +82,7 @@ def fit(  # noqa: PLR0913
     names: Sequence[str] | None = None,
     restoring: Restoring = "sine",
     kind: Kind = "",
-    **more: Unpack[Said],
+    **more: Unpack[More],
 ) -> Answer:
     """The ``Answer`` of models of damping fitted to one swing or several of one pendulum: period, quality, decay, the best model.
 
@@ -106,7 +112,8 @@ def fit(  # noqa: PLR0913
     **more
         ``zero_tolerance``, how far the zero may be off (rad); by default 0.1, and the swings tell it. Of a driven pendulum ``input``, the values of its drive at each time, and ``input_kind``, what it is: ``torque``,
         ``pivot_acceleration``, ``pivot_position`` or ``pivot_angle``. Also ``input_unit``, ``input_free`` and ``input_between``
-        (``given.Said`` tells them). The drive acts in every model, and the swing need not be a free one.
+        (``given.Said`` tells them). The drive acts in every model, and the swing need not be a free one. Of a path whatever ``read``
+        takes: ``column``, ``rate``, ``length`` and so on (``recorded.Told`` lists all).
 
     Returns
     -------
@@ -120,27 +127,24 @@ def fit(  # noqa: PLR0913
     NotFree
         An InputError: if no model of damping follows the motion.
     """
-    said = asked(more)
-    if not said and (recorded := _recorded(times, angles, unit, kind, restoring)) is not None:
+    if (recorded := _recorded(times, angles, unit, kind, restoring, more)) is not None:
         return recorded.fit(fitted=fitted, effects=effects)
+    said = asked(more)
     return of_swings(swings(times, angles, unit, names, kind, restoring, said), fitted, effects, restoring)
 
 
 def _recorded(
-    times: Any, angles: Any, unit: Unit | None, kind: Kind, restoring: Restoring
+    times: Any, angles: Any, unit: Unit | None, kind: Kind, restoring: Restoring, more: Mapping[str, Any]
 ) -> Recording | None:
     """The recording that stands for the times of a call, or that the file has whose path does; None where they are numbers."""
     if angles is not None or not isinstance(times, str | PathLike | Recording):
         return None
     if not isinstance(times, Recording):
-        told = Told()
-        if unit:
-            told["unit"] = unit
-        if kind:
-            told["kind"] = kind
-        return read(times, restoring=restoring, **told)
-    if unit or kind:
-        raise InputError("arguments", "a recording has its unit and kind already", "a recording alone", "give unit and kind to swingdown.read")  # fmt: skip
+        told = {name: value for name, value in more.items() if value is not None}
+        told |= {name: value for name, value in (("unit", unit), ("kind", kind)) if value}
+        return read(times, restoring=restoring, **cast(Told, told))
+    if said := [*asked(more), *(name for name, value in (("unit", unit), ("kind", kind)) if value)]:
+        raise InputError("arguments", "a recording has its unit and kind already", "a recording alone", f"give {said[0]}= to swingdown.read")  # fmt: skip
     return times
 
 
@@ -259,7 +263,7 @@ def explain(  # noqa: PLR0913
     effects: Mapping[str, Any] | None = None,
     names: Sequence[str] | None = None,
     restoring: Restoring = "sine",
-    **more: Unpack[Said],
+    **more: Unpack[More],
 ) -> Answer:
     """The ``Answer`` of ``fit`` with a verdict: what the model ``base`` lacks.
 
@@ -291,9 +295,9 @@ def explain(  # noqa: PLR0913
     EngineError
         If there is no compiled engine and no C compiler.
     """
-    said = asked(more)
-    if not said and (recorded := _recorded(times, angles, unit, "", restoring)) is not None:
+    if (recorded := _recorded(times, angles, unit, "", restoring, more)) is not None:
         return recorded.explain(base=base, rounds=rounds, fitted=fitted, effects=effects)
+    said = asked(more)
     given = swings(times, angles, unit, names, restoring=restoring, said=said)
     return explained(given, base, rounds, fitted, effects, restoring)
 

@@ -29,11 +29,9 @@ Restoring = Literal["sine", "linear"]
 Paths = str | PathLike[str] | Sequence[str | PathLike[str]]
 
 
-class Told(TypedDict, total=False):
-    """What you may state of a file that does not state it itself."""
+class OfAFile(TypedDict, total=False):
+    """What you may state of a file alone."""
 
-    unit: str
-    """Of the angle or its rate: rad, deg, counts, V, rad/s or deg/s; of positions m, cm, mm or px."""
     column: str
     """Name of the column of the angle."""
     time_unit: str
@@ -42,8 +40,6 @@ class Told(TypedDict, total=False):
     """Name of the column of the time."""
     rate: float
     """Samples a second of a file without times."""
-    kind: str
-    """What the values are: swing, turning_points, half_swings, passages or periods."""
     start: float
     """Time in s before which nothing is used."""
     stop: float
@@ -52,14 +48,27 @@ class Told(TypedDict, total=False):
     """Of an encoder in counts."""
     scale: str
     """Degrees that one unit of the signal is worth; or two readings at known angles, as ``512=0,700=30``."""
-    zero_tolerance: float
-    """How far the zero of an angle may be off, in rad; by default 0.1, and the swings tell it."""
     length: str
     """From the pivot to the middle of the bob: ``0.583±0.001`` (m), ``58cm``. It gives g, and the angle where one coordinate was recorded (``350px``)."""
     bob_diameter: str
     """Of a ball, for its inertia in g: ``30.0(1)mm``."""
     bob_density: str
     """Of the bob, for the air's part in g: ``7800`` (kg/m^3), ``7.8g/cm3``."""
+    run: str
+    """Which run of a file with several."""
+    sheet: str
+    """Which sheet of a workbook, or file in an archive."""
+
+
+class Told(OfAFile, total=False):
+    """What you may state of a file that does not state it itself."""
+
+    unit: str
+    """Of the angle or its rate: rad, deg, counts, V, rad/s or deg/s; of positions m, cm, mm or px."""
+    kind: str
+    """What the values are: swing, turning_points, half_swings, passages or periods."""
+    zero_tolerance: float
+    """How far the zero of an angle may be off, in rad; by default 0.1, and the swings tell it."""
     input: str
     """Name of the column of what was measured of its drive."""
     input_kind: str
@@ -70,10 +79,6 @@ class Told(TypedDict, total=False):
     """What of the input's sensor is to be found: gain, delay, both, or nothing."""
     input_between: str
     """What the input does between its samples: curve, line or hold."""
-    run: str
-    """Which run of a file with several."""
-    sheet: str
-    """Which sheet of a workbook, or file in an archive."""
 
 
 @dataclass(frozen=True)
