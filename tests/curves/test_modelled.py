@@ -4,12 +4,11 @@ import numpy as np
 import pytest
 from scipy.special import ellipk
 
-from swingdown.curves.modelled import course_of, drag, effects_on, static
+from swingdown.curves.modelled import course_of, effects_on
 from swingdown.engine.trajectory import simulate
 from swingdown.pendulum.model import Model
 
 FREQUENCY = 5.0  # rad/s
-SPEED = np.array([0.0, 0.3, 2.0])  # rad/s
 
 
 def model(label, restoring="sine", **values):
@@ -81,31 +80,6 @@ def test_a_torque_that_winds_up_is_that_of_a_swing_that_goes_on():
 def test_a_model_that_never_comes_back_has_no_curve():
     found = course_of(model("viscous", "linear", viscous_ratio=1.5), 0.1, 0.5)
     assert found.amplitude.size == 0 and np.isnan(found.at(np.array([0.2, 0.3]))).all()
-
-
-def test_the_static_torque_is_weight_and_spring_and_friction_has_no_part_in_it():
-    angle = np.array([-1.0, 0.0, 0.4])
-    torque = static(model("viscous+torsion_spring+constant_coulomb", viscous_ratio=0.1, torsion_stiffness=3.0, constant_friction=0.2))  # fmt: skip
-    assert torque(angle) == pytest.approx(-(FREQUENCY**2) * np.sin(angle) - 3.0 * angle)
-
-
-def test_the_drag_is_the_friction_of_speed_alone():
-    both = model("viscous+constant_coulomb", viscous_ratio=0.1, constant_friction=0.2)
-    assert drag(both)(SPEED) == pytest.approx(2 * 0.1 * FREQUENCY * SPEED + 0.2)
-    beside = model("viscous+torsion_spring", viscous_ratio=0.1, torsion_stiffness=3.0)
-    assert drag(beside)(SPEED) == pytest.approx(2 * 0.1 * FREQUENCY * SPEED, abs=1e-8)
-
-
-@pytest.mark.parametrize(
-    "label, values",
-    [
-        ("load_coulomb", {"load_friction": 0.01}),
-        ("structural_damping", {"structural_coefficient": 0.1}),
-        ("presliding", {"presliding_friction": 0.2, "presliding_angle": 0.05}),
-    ],
-)
-def test_a_friction_of_angle_or_state_is_no_drag(label, values):
-    assert np.array_equal(drag(model(label, **values))(SPEED), np.zeros(3))
 
 
 def test_errors_of_parameters_reach_what_is_derived_by_their_covariance():

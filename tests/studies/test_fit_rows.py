@@ -41,3 +41,14 @@ def test_a_model_that_breaks_off_around_its_fit_is_not_converged_and_the_others_
     assert rows[0]["norm"] == 0.1 and np.isnan(rows[1]["norm"]) and np.isnan(rows[1]["value"]).all()
     with pytest.raises(TrajectoryError, match="accuracy"):
         rows_of([-1.0, None], row)
+
+
+def test_the_largest_angle_is_counted_from_where_the_fitted_model_hangs():
+    """A torque pulls it aside by torque/omega_n^2 on a spring: the largest swing is that far from there, not from the vertical."""
+    hangs = -2.0 / 7.25**2
+    model = TRUTH.with_effects(("viscous", "constant_torque")).with_values({**TRUTH.values, "constant_torque": -2.0})  # fmt: skip
+    noise = 1e-4 * np.random.default_rng(4).standard_normal(TIMES.size)
+    (angle,) = swings(TIMES, simulate(model, TIMES, hangs + 0.3) + noise)
+    label = "viscous+constant_torque"
+    found = fit_recording(angle, [label])
+    assert float(found["largest_angle"].sel(fitted=label)) == pytest.approx(0.3, abs=2e-3)

@@ -69,6 +69,19 @@ def test_the_period_is_what_a_stop_watch_shows_of_the_first_whole_swing(label, v
     assert found["period"].value == pytest.approx(elliptic, rel=0.3 * lost**2 + 1e-6)
 
 
+@pytest.mark.parametrize("torque", [-9.0, 4.0])
+def test_what_pulls_to_one_side_moves_the_middle_and_no_quantity(torque):
+    """Amplitudes are counted from where it hangs. Exact for linear restoring; a weight hangs askew, and swings as slowly as there."""
+    plain = pendulum("viscous", viscous_ratio=0.01)
+    pulled = pendulum("viscous+constant_torque", viscous_ratio=0.01, constant_torque=torque)
+    one, other = quantities(plain, 0.3), quantities(pulled, 0.3)
+    for name in ("period", "quality", "decay_time"):
+        assert other[name].value == pytest.approx(one[name].value, rel=1e-6)
+    heavy = pendulum("viscous+constant_torque", "sine", viscous_ratio=1e-6, constant_torque=torque)
+    slower = (1 - (torque / OMEGA**2) ** 2) ** 0.25
+    assert cycle(heavy, 0.02).period == pytest.approx(2 * np.pi / OMEGA / slower, rel=1e-4)
+
+
 def test_dry_friction_takes_the_same_angle_each_half_swing():
     """Exact for linear restoring: each half-swing 2 c/omega^2, so that the time to the e-th part is proportional to the angle."""
     friction, amplitude = 0.05, 0.4

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..arrays import Floats
 from ..pendulum.model import Model
+from ..pendulum.static import drag, resting, static
 from ..studies.quantities import steady
 from .free import (
     LEAST_LOSS,
@@ -22,7 +23,7 @@ from .free import (
     timed_of,
     typical_of,
 )
-from .modelled import Course, course_of, drag, effects_on, resting, static
+from .modelled import Course, course_of, effects_on
 from .regression import SHARE, Posterior, Prior, kernel
 from .second_order import Table
 from .torques import beyond_durations, durations, losses, lost

@@ -16,7 +16,9 @@ from ..measurement.second_reading import TOLD as AGAIN
 from ..pendulum.catalogue import ANGLE
 from ..pendulum.model import Model
 from ..pendulum.slack import ZERO, Slack
+from ..pendulum.static import resting
 from .norms import Variable, spread
+from .quantities import steady
 
 One = TypeVar("One")
 
@@ -91,11 +93,12 @@ def largest_angles(fit: Fit, swings: Sequence[Swing], courses: Courses | None = 
     ``courses`` is what free courses do beside the fit: the angles are then those of both together.
     """
     begins = courses.begins if courses else [0.0] * len(fit.swings)
-    found = [
-        float(np.abs(simulate(one.model.motion, times, one.release_angle, one.release_velocity)).max())
-        for (times, _), one in zip(swings, fit.swings, strict=True)
-    ]
-    return [angle * float(np.exp(more)) for angle, more in zip(found, begins, strict=True)]
+    found = []
+    for (times, _), one, more in zip(swings, fit.swings, begins, strict=True):
+        motion = one.model.motion
+        angle = simulate(motion, times, one.release_angle, one.release_velocity)
+        found.append(float(np.abs(angle - resting(steady(motion))).max() * np.exp(more)))
+    return found
 
 
 def rows_of(fits: Sequence[One | None], row_of: Callable[[One], dict[str, Any]]) -> list[dict[str, Any]]:

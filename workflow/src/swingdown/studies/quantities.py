@@ -1,6 +1,6 @@
 """What an experimenter asks of a pendulum: period, natural frequency, quality factor, decay time, with their uncertainties.
 
-All are of the fitted model, started at rest from a stated amplitude: a pendulum whose damping is not viscous has another
+All are of the fitted model, started at rest from a stated amplitude, which is counted from where it hangs: a pendulum whose damping is not viscous has another
 quality at each.
 """
 
@@ -16,6 +16,7 @@ from ..pendulum.effect import NATURAL_FREQUENCY, Effect
 from ..pendulum.formula import names_in
 from ..pendulum.half_swings import lengthening
 from ..pendulum.model import Model
+from ..pendulum.static import resting
 from ..rounding import value_with_uncertainty
 
 _SAMPLES = (
@@ -134,15 +135,16 @@ def _cycle(model: Model, amplitude: float) -> Cycle:
 
 
 def _cycles(model: Model, amplitudes: Floats, later: int = 0) -> list[Cycle]:
-    """The ``Cycle`` from each of these amplitudes (rad), at the times of the longest; of the swing that begins ``later`` half-swings after the
-    rest."""
+    """The ``Cycle`` from each of these amplitudes (rad), about where the model hangs, at the times of the longest; of the swing that begins
+    ``later`` half-swings after the rest."""
     frequency = model.values[NATURAL_FREQUENCY.name]
     if not (frequency > 0 and np.isfinite(frequency)):
         return [Cycle(np.nan, np.nan, float(one)) for one in amplitudes]
     ideal = 2 * np.pi / frequency * float(np.max(lengthening(amplitudes)))
     span = 1.5 + later / 2
     times = span * ideal * np.arange(int(span * _SAMPLES)) / (span * _SAMPLES)
-    angles = simulate_each(model, times, [[*model.vector(), one, 0.0] for one in amplitudes])
+    middle = resting(steady(model))
+    angles = simulate_each(model, times, [[*model.vector(), middle + one, 0.0] for one in amplitudes])
     each = zip(amplitudes, angles, strict=True)
     return [_one_cycle(times, angle, float(one), later) for one, angle in each]
 

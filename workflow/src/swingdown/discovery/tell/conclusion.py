@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from ...arrays import finite_or_none, standard_errors
-from ...engine.trajectory import simulate
 from ...fitting.result import Begin, Fit, SwingStart
 from ...fitting.uncertainty import uncertainty
 from ...measurement.plausibility import KEPT, narrowing
+from ...studies.fit_rows import largest_angles
 from ...studies.quantities import UNITS, Beside, Quantity, about, over_models, quantities, steady
 from ..data.campaign import Campaign, Swing
 from ..judge.confirm import predict
@@ -98,16 +98,12 @@ class _Told:
         self.covariance = _of(self.motion.parameters, fit, self.known)
         over = known.courses and known.courses.over(fit.free, self.motion.parameters)
         self.beside = over and Beside(*over)
-        self.begins = known.courses.begins if known.courses else [0.0] * len(self.pairs)
+        self.courses = known.courses
 
     @cached_property
     def amplitude(self) -> float:
         """The largest angle of the fitted motion, rad: what a sensor makes of it is another with each model."""
-        swings = zip(self.pairs, self.fit.swings, self.begins, strict=True)
-        return max(
-            float(np.abs(simulate(one.model.motion, times, one.release_angle, one.release_velocity)).max() * np.exp(more))
-            for (times, _), one, more in swings
-        )  # fmt: skip
+        return max(largest_angles(self.fit, self.pairs, self.courses))
 
     @cached_property
     def derived(self) -> dict[str, Quantity]:
