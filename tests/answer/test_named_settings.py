@@ -56,3 +56,12 @@ def test_what_the_mend_of_a_path_names_can_be_said_in_the_call(tmp_path):
         swingdown.fit(np.arange(angle.size) / 50, angle, rate=50)
     with pytest.raises(InputError, match="zero_tolerance= to swingdown.read"):
         swingdown.fit(swingdown.read(file, rate=50, unit="rad"), zero_tolerance=0.2)
+
+
+def test_one_label_and_one_name_need_no_list():
+    times = np.arange(0, 20, 0.02)
+    angle = 0.2 * np.exp(-0.02 * times) * np.cos(5 * times) + np.random.default_rng(3).normal(
+        0, 1e-4, times.size
+    )
+    found = swingdown.fit(times, angle, fitted="viscous", names="anna", restoring="linear")
+    assert list(found.norms["fitted"].values) == ["viscous"] and found.table["recording"].tolist() == ["anna"]

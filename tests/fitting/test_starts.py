@@ -11,6 +11,7 @@ from swingdown.engine.trajectory import TrajectoryError, simulate
 from swingdown.fitting.least_squares import fit_jointly, fit_trajectory
 from swingdown.fitting.problem import Problem
 from swingdown.fitting.result import Begin, SwingStart
+from swingdown.pendulum.catalogue import catalogue
 from swingdown.pendulum.model import Model
 
 
@@ -25,6 +26,43 @@ def test_of_several_guesses_alone_one_that_is_near_suffices(order):
     ]  # fmt: skip
     fit = fit_jointly(case.model.label, [(TIMES, angle)], guess=guesses, seen=False)
     assert fit.converged and fit.rss == pytest.approx(fit_trajectory(case.model.label, TIMES, angle).rss)
+
+
+@pytest.mark.parametrize(
+    ("label", "values", "off"),
+    [
+        ("viscous+power_law_drag", {"viscous_ratio": 0.003, "power_law_coefficient": 0.05, "power_law_exponent": 2.6}, 0.05),
+        ("viscous+magnet", {"viscous_ratio": 0.004, "magnet_depth": 0.3, "magnet_width": 0.15}, 0.05),
+        ("eddy_brake", {"eddy_coefficient": 0.2, "eddy_width": 0.2}, 0.02),
+    ],
+)  # fmt: skip
+def test_a_shape_that_nothing_is_known_of_starts_from_the_catalogues_values(label, values, off):
+    truth = Model(label, {"natural_frequency": 6.0, **values})
+    times = np.arange(0, 20, 0.01)
+    angle = simulate(truth, times, 0.6) + np.random.default_rng(2).normal(0, 1e-4, times.size)
+    fit = fit_trajectory(label, times, angle)
+    assert fit.rms < 1.02e-4
+    for name, value in values.items():
+        assert fit.model.values[name] == pytest.approx(value, rel=off)
+
+
+@pytest.mark.parametrize("start", [[1, 2], [3]])
+def test_a_shape_of_a_studys_own_starts_from_what_is_stated(start):
+    """And a size that is stated to be none below zero is none, though a drag that drives would fit as well."""
+    own = {"jet": {"torque": "-d*abs(thetadot)**n*sign(thetadot)",
+                   "parameters": {"d": {"lower": 0}, "n": {"start": start, "lower": 0.5, "upper": 3}}}}  # fmt: skip
+    label, known = "viscous+jet", catalogue(own)
+    values = {"natural_frequency": 6.0, "viscous_ratio": 0.004, "jet_d": 0.03, "jet_n": 2.2}
+    times = np.arange(0, 20, 0.01)
+    noise = np.random.default_rng(2).normal(0, 1e-4, times.size)
+    fit = fit_trajectory(
+        Model(label, catalogue=known),
+        times,
+        simulate(Model(label, values, catalogue=known), times, 0.6) + noise,
+    )
+    assert fit.model.values["jet_n"] == pytest.approx(2.2, abs=0.05)
+    driving = simulate(Model(label, values | {"jet_d": -0.005}, catalogue=known), times, 0.6) + noise
+    assert fit_trajectory(Model(label, catalogue=known), times, driving).model.values["jet_d"] >= 0
 
 
 def reach(name, seeds, alone):

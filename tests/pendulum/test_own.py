@@ -59,6 +59,8 @@ def test_the_typical_size_is_stated_or_that_of_the_first_start(stated, typical):
         ("2brake", {}, "effects.2brake", "is no name of an effect"),
         ("brake", {"parameters": {"theta": {}}}, "brake.parameters.theta", "is a variable of every formula"),
         ("brake", {"parameters": {"k-1": {}}}, "brake.parameters.k-1", "is no symbol"),
+        ("brake", {"parameters": {"lambda": {}}}, "brake.parameters.lambda", "has a meaning of its own"),
+        ("brake", {"parameters": {"exp": {}}}, "brake.parameters.exp", "has a meaning of its own"),
         ("brake", {"parameters": {"k": {"lower": 1, "upper": 1}}}, "brake.parameters.k", "the bounds 1 and 1 leave nothing"),
         ("brake", {"parameters": {"k": {}, "n": {"lower": 1, "upper": 2, "start": [1, 2, 2.5]}}}, "brake.parameters.n.start", "2.5 is outside the bounds"),
         ("brake", {"parameters": {"k": {}, "n": {"start": [1]}, "m": {}}}, "brake.parameters.m", "the torque does not use it"),

@@ -117,3 +117,25 @@ def test_one_studys_effects_are_no_other_ones():
     assert "five_teeth" not in SHIPPED and "five_teeth" not in catalogue({})
     with pytest.raises(InputError, match="no such effect"):
         models(["viscous+five_teeth"])
+
+
+@pytest.mark.parametrize(
+    ("entry", "words"),
+    [
+        ({"lower": "0"}, "parameters.k.lower: '0' is text"),
+        ({"unit": 1}, "parameters.k.unit: 1 does not fit"),
+        ({"start": 0.1}, "parameters.k.start: 0.1 does not fit"),
+        ({"low": 0}, "parameters.k.low: unknown key.*write 'lower'"),
+        ({"upper": float("nan")}, "parameters.k.upper: nan is not a finite number"),
+    ],
+)
+def test_what_a_notebook_states_is_held_to_the_settings_rules(entry, words):
+    parameters = {"k": entry, "phi": {"start": [0.0]}}
+    with pytest.raises(InputError, match=words):
+        catalogue({"five_teeth": COGGING | {"parameters": parameters}})
+
+
+def test_numbers_and_arrays_of_numpy_are_numbers():
+    parameters = {"k": {"lower": np.int64(0), "typical": np.float32(0.5)}, "phi": {"start": np.array([0, 1])}}
+    own = catalogue({"five_teeth": COGGING | {"parameters": parameters}})["five_teeth"]
+    assert own.size.lower == 0.0 and own.size.typical == 0.5 and own.parameters[1].starts == (0.0, 1.0)

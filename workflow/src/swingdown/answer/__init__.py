@@ -77,9 +77,9 @@ def fit(  # noqa: PLR0913
     angles: Swings | Sequence[Swings] | None = None,
     *,
     unit: Unit | None = None,
-    fitted: Sequence[str] | None = None,
+    fitted: str | Sequence[str] | None = None,
     effects: Mapping[str, Any] | None = None,
-    names: Sequence[str] | None = None,
+    names: str | Sequence[str] | None = None,
     restoring: Restoring = "sine",
     kind: Kind = "",
     **more: Unpack[More],
@@ -150,7 +150,7 @@ def _recorded(
 
 def of_swings(
     given: Sequence[xr.Dataset],
-    fitted: Sequence[str] | None = None,
+    fitted: str | Sequence[str] | None = None,
     effects: Mapping[str, Any] | None = None,
     restoring: str = "sine",
     checked: bool = True,
@@ -178,7 +178,7 @@ def of_swings(
 
 def _of_swings(
     given: Sequence[xr.Dataset],
-    fitted: Sequence[str] | None,
+    fitted: str | Sequence[str] | None,
     effects: Mapping[str, Any] | None,
     restoring: str,
     checked: bool,
@@ -257,11 +257,11 @@ def explain(  # noqa: PLR0913
     angles: Swings | Sequence[Swings] | None = None,
     *,
     unit: Unit | None = None,
-    base: Sequence[str] = BASE,
+    base: str | Sequence[str] = BASE,
     rounds: int = 4,
-    fitted: Sequence[str] | None = None,
+    fitted: str | Sequence[str] | None = None,
     effects: Mapping[str, Any] | None = None,
-    names: Sequence[str] | None = None,
+    names: str | Sequence[str] | None = None,
     restoring: Restoring = "sine",
     **more: Unpack[More],
 ) -> Answer:
@@ -304,9 +304,9 @@ def explain(  # noqa: PLR0913
 
 def explained(
     given: Sequence[xr.Dataset],
-    base: Sequence[str] = BASE,
+    base: str | Sequence[str] = BASE,
     rounds: int = 4,
-    fitted: Sequence[str] | None = None,
+    fitted: str | Sequence[str] | None = None,
     effects: Mapping[str, Any] | None = None,
     restoring: str = "sine",
 ) -> Answer:
@@ -319,7 +319,8 @@ def explained(
     doubt = unit_doubt(given, first)
     whole = searchable("pendulum", given if doubt else first.swings, doubt)
     begun = BASES[restoring] if base is BASE else base
-    (start,) = with_drive(models(["+".join(begun)], effects, restoring), given)
+    label = begun if isinstance(begun, str) else "+".join(begun)
+    (start,) = with_drive(models(label, effects, restoring), given)
     with _of_none_compared():
         states = concluded(discover(whole, start, rounds), whole)
         found = verdict([summary(state, whole) for state in states], catalogue(effects).of(whole.reading))
@@ -366,7 +367,7 @@ def _of_none_compared() -> Iterator[None]:
 
 def before_search(
     given: Sequence[xr.Dataset],
-    fitted: Sequence[str] | None = None,
+    fitted: str | Sequence[str] | None = None,
     effects: Mapping[str, Any] | None = None,
     restoring: str = "sine",
 ) -> Answer:

@@ -81,7 +81,7 @@ def swings(
     times: Any,
     angles: Any = None,
     unit: str | None = None,
-    names: Sequence[str] | None = None,
+    names: str | Sequence[str] | None = None,
     kind: str = "",
     restoring: str = "sine",
     said: Mapping[str, Any] | None = None,
@@ -101,6 +101,7 @@ def swings(
     found = list(_each(times, angles))
     if not found:
         raise InputError("argument times", "no swing is given", "at least one")
+    names = [names] if isinstance(names, str) else names
     names = list(names or [f"swing {k + 1}" if len(found) > 1 else "swing" for k in range(len(found))])
     if len(names) != len(found) or len(set(names)) < len(names):
         problem = f"{len(set(names))} names for {len(found)} swings"

@@ -107,7 +107,7 @@ class Recording:
 
     @told_to(TO_READ)
     def fit(
-        self, *, fitted: Sequence[str] | None = None, effects: Mapping[str, Any] | None = None
+        self, *, fitted: str | Sequence[str] | None = None, effects: Mapping[str, Any] | None = None
     ) -> "Answer":
         """The ``Answer`` of ``swingdown.fit`` on this recording.
 
@@ -129,9 +129,9 @@ class Recording:
     def explain(
         self,
         *,
-        base: Sequence[str] | None = None,
+        base: str | Sequence[str] | None = None,
         rounds: int = 4,
-        fitted: Sequence[str] | None = None,
+        fitted: str | Sequence[str] | None = None,
         effects: Mapping[str, Any] | None = None,
     ) -> "Answer":
         """The ``Answer`` of ``swingdown.explain`` on this recording.

@@ -3,7 +3,8 @@
 from collections.abc import Iterable, Mapping, Sequence
 from copy import copy
 from functools import lru_cache
-from math import isfinite
+from itertools import product
+from math import isfinite, prod
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,7 @@ STARTS = ("free", "rest")
 RELEASE = ("release_angle", "release_velocity")
 # samples a half-swing, and in all, that are as good as any number to tell where to search
 _DENSE, _ENOUGH = 32, 1000
+_SHAPES = 12  # starts from shapes, each with each
 _SMALLEST_FREQUENCY = 1e-3  # rad/s; a pendulum slower than an hour is none
 _FEWEST_A_SWING = 1.0  # samples; of a faster pendulum nothing is seen, and to follow it takes for ever
 
@@ -45,13 +47,13 @@ def _checked_swing(times: Any, angle: Any) -> tuple[Floats, Floats]:
 
 
 def limits(definition: Parameter, bounded: bool) -> tuple[float, float]:
-    """Lower and upper bound of a parameter in a fit; where that is not bounded, only those beyond which there is no such effect.
+    """Lower and upper bound of a parameter in a fit; where that is not bounded, only firm ones, and those beyond which there is no such effect.
 
     What a recording's samples say of the natural frequency comes on top.
     """
     if definition.name == NATURAL_FREQUENCY.name:
         return _SMALLEST_FREQUENCY, np.inf
-    return (definition.lower, definition.upper) if bounded else (definition.least, np.inf)
+    return (definition.lower, definition.upper) if bounded or definition.firm else (definition.least, np.inf)
 
 
 def _rate(times: Floats) -> float:
@@ -225,8 +227,8 @@ class Problem:
     def starts(self, guess: Any, seen: bool = True) -> tuple[Floats, int]:
         """Starting points (start, variable), and how many of them, at the end, are seen in the data.
 
-        The guesses if there are any; the seen decay laid on all damping effects, and on each in turn. ``seen=False`` leaves
-        those out where there is a fit to go on from.
+        The guesses if there are any; the seen decay laid on all damping effects, and on each in turn, with each of the values that shapes start
+        from. ``seen=False`` leaves those out where there is a fit to go on from.
         """
         known = guess if isinstance(guess, (list, tuple)) else [] if guess is None else [guess]
         if not seen and known and not any(isinstance(one, Model) for one in known):
@@ -242,8 +244,21 @@ class Problem:
         split = frequency | {name: value / max(1, len(loss)) for name, value in loss.items()}
         alone = [frequency | dict.fromkeys(loss, 0.0) | {only: value} for only, value in loss.items()]
         starts = [split, *(alone if len(loss) > 1 else [])]
-        from_data = [self.variables(values, releases) for values in starts]
-        return np.array([*(self._from_guess(one, releases) for one in known), *from_data]), len(starts)
+        shapes = self._shapes(frequency[NATURAL_FREQUENCY.name], known)
+        from_data = [self.variables(values | shape, releases) for values in starts for shape in shapes]
+        return np.array([*(self._from_guess(one, releases) for one in known), *from_data]), len(from_data)
+
+    def _shapes(self, frequency: float, known: Sequence[Any]) -> list[dict[str, float]]:
+        """The values that shapes start from: those of a guess, or each with each; where these are many, one shape after the other."""
+        each = {one.name: one.starting_values(frequency) for one in self.model.definitions if one.starts}
+        if known:
+            begin = known[0].begin if isinstance(known[0], Fit) else known[0]
+            values = begin.values if isinstance(begin, Model) else begin.swings[0].values
+            return [{name: values.get(name, starts[0]) for name, starts in each.items()}]
+        if prod(map(len, each.values())) <= _SHAPES:
+            return [dict(zip(each, values, strict=True)) for values in product(*each.values())]
+        first = {name: values[0] for name, values in each.items()}
+        return [first | {name: value} for name, values in each.items() for value in values]
 
     def _driven_starts(self, known: Sequence[Any], seen: bool) -> tuple[Floats, int]:
         """The same of swings under a measured drive, from what each width of bumps shows of them (``driven``)."""

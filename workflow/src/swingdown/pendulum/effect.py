@@ -63,6 +63,8 @@ class Parameter(NamedTuple):
     """Where trials draw it: (low, high), several such pairs, or more than two values; by default between its starts."""
     largest: float = inf
     """Of a size: beyond this no trial goes."""
+    firm: bool = False
+    """Its bounds hold in every fit, as those that a study states do; the catalogue's hold in searches, and a fit shows what lies beyond."""
 
     @property
     def least(self) -> float:

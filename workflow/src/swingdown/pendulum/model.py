@@ -309,7 +309,7 @@ def as_model(model: Model | str | Sequence[str]) -> Model:
 
 
 def models(
-    labels: Iterable[str],
+    labels: str | Iterable[str],
     own: Mapping[str, Any] | None = None,
     restoring: str = "sine",
     form: str = "consistent",
@@ -319,13 +319,14 @@ def models(
     Parameters
     ----------
     labels
-        Such as ``viscous+load_coulomb``.
+        Such as ``viscous+load_coulomb``; one, or several.
     own
         The settings' key ``effects``.
     restoring, form
         As of ``Model``, and so are the errors.
     """
     entries = catalogue(own)
+    labels = [labels] if isinstance(labels, str) else labels
     return [Model(label, {}, {}, restoring, form, entries) for label in labels]  # type: ignore[arg-type]
 
 

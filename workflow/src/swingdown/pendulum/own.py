@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Mapping
+from keyword import iskeyword
 from math import inf
 from typing import Any
 
@@ -47,8 +48,10 @@ def _effect(name: str, entry: Mapping[str, Any], where: str) -> Effect:
 
 def _parameter(effect: str, symbol: str, entry: Mapping[str, Any], where: str) -> Parameter:
     place = f"{where}.parameters.{symbol}"
-    if not _SYMBOL.fullmatch(symbol) or symbol in VARIABLES:
+    taken = iskeyword(symbol) or symbol in formula.FUNCTIONS or symbol == "pi"
+    if not _SYMBOL.fullmatch(symbol) or symbol in VARIABLES or taken:
         problem = "is a variable of every formula" if symbol in VARIABLES else "is no symbol"
+        problem = "has a meaning of its own in formulas" if taken else problem
         raise InputError(place, f"{symbol!r} {problem}", "a letter, then letters, digits and _", "rename it")
     lower, upper = entry.get("lower", -inf), entry.get("upper", inf)
     starts = tuple(map(float, entry.get("start", ())))
@@ -60,7 +63,7 @@ def _parameter(effect: str, symbol: str, entry: Mapping[str, Any], where: str) -
     typical = entry.get("typical", abs(starts[0]) if starts and starts[0] else 1.0)
     return Parameter(
         f"{effect}_{symbol}", symbol, entry.get("unit", "1"), float(lower), float(upper), "", float(typical),
-        role="shape" if starts else "size", starts=starts,
+        role="shape" if starts else "size", starts=starts, firm=True,
     )  # fmt: skip
 
 

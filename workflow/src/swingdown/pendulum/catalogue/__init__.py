@@ -12,6 +12,7 @@ from types import MappingProxyType
 from typing import Any
 
 from ...errors import InputError
+from ...schema import check
 from ..effect import NATURAL_FREQUENCY, Effect, Parameter
 from ..formula import evaluate
 from ..own import own_effects
@@ -242,9 +243,17 @@ def catalogue(own: Mapping[str, Any] | None = None, where: str = "config, key ef
     InputError
         As of ``own_effects`` and ``Catalogue``.
     """
-    return _with_own(json.dumps(own), where) if own else SHIPPED
+    return _with_own(json.dumps(own, default=_as_list), where) if own else SHIPPED
+
+
+def _as_list(value: Any) -> Any:
+    """Numbers and arrays of numpy as Python's; any other object as text, which is refused where a number belongs."""
+    return value.tolist() if hasattr(value, "tolist") else str(value)
 
 
 @lru_cache(maxsize=20)
 def _with_own(own: str, where: str) -> Catalogue:
-    return SHIPPED.with_effects(*own_effects(json.loads(own), where), where=where)
+    effects = check({"effects": json.loads(own)}, "config.schema.yaml", where.partition(", key ")[0])[
+        "effects"
+    ]
+    return SHIPPED.with_effects(*own_effects(effects, where), where=where)
