@@ -64,4 +64,4 @@ def test_one_label_and_one_name_need_no_list():
         0, 1e-4, times.size
     )
     found = swingdown.fit(times, angle, fitted="viscous", names="anna", restoring="linear")
-    assert list(found.norms["fitted"].values) == ["viscous"] and found.table["recording"].tolist() == ["anna"]
+    assert list(found.fits["fitted"].values) == ["viscous"] and found.table["recording"].tolist() == ["anna"]

@@ -7,6 +7,7 @@ import pytest
 
 from swingdown.discovery.change import Difference, difference
 from swingdown.discovery.data.campaign import Swing, campaign
+from swingdown.discovery.search import discover
 from swingdown.discovery.tell.sentence import follows
 from swingdown.pendulum.model import Model
 from swingdown_trials.second_pendulum import trajectory
@@ -81,6 +82,22 @@ def test_an_effect_that_the_model_has_not_is_found_as_well():
     )
     assert found.effect == "viscous"
     assert found.law.exponent == pytest.approx(2, abs=3 * found.law.u_exponent)
+
+
+def test_what_is_there_anyway_gives_way_to_what_leaves_nothing():
+    """A viscous drag of each recording would take away most of what a sail does, and leave three times the noise."""
+    found = followed(sails(), CHANGED, Model("viscous+load_coulomb"))
+    assert found.effect == "quadratic_drag" and "viscous" not in found.tied_with
+    assert found.law.exponent == pytest.approx(1, abs=3 * found.law.u_exponent)
+
+
+def test_a_search_beside_frequencies_of_each_recording_comes_to_its_end():
+    """That each has its own is no effect of the model, which a search might take away or bring back."""
+    swings = recordings(
+        ("viscous", "constant_coulomb"), {"viscous_ratio": 0.004, "constant_friction": 0.05}, [{}] * 4
+    )
+    rounds = discover(campaign("pendulum", swings), replace(Model("viscous"), own_frequency=True), rounds=1)
+    assert not rounds[-1].failed and rounds[-1].fit.model.names == ("viscous", "constant_coulomb")
 
 
 def test_what_is_there_without_the_change_stays_beside_the_power():

@@ -189,23 +189,33 @@ def _asked(
     """The ``Difference`` beside the fit of one model to all recordings."""
     alone = _alone(same.begin, every.fit, seen=True)
     touched = _jointly(replace(same.model, own_frequency=True), same.begin, alone, every.fit, seen=True)
-    here, whole = frame(touched, every.fit), sum(one.rss for one in alone)
-    rivals = [_Rival(None, same, same.rss, whole), _Rival(NATURAL_FREQUENCY.name, touched, same.rss, whole)]
-    # what is there anyway explains a change before anything else does, unless it is alone: then nothing else could have changed
+    here, least = frame(touched, every.fit), sum(one.rss for one in alone)
+    rivals = [_Rival(None, same, same.rss, least), _Rival(NATURAL_FREQUENCY.name, touched, same.rss, least)]
+    # what is there anyway explains a change before anything else does, unless something else leaves nothing to be explained; alone it could be
+    # nothing else that was changed
     base, more = touched.model.names, additions(touched.model, allowed)
+    told: Difference | None = None
+    gains: dict[str | None, float] = {}  # to first order (rad^2)
     for names in (base, more) if len(base) > 1 else ((*base, *more),):
-        for name, begin in _promising(here, names, budget):
-            if not budget.spent:
-                with suppress(*FAILURES):
-                    rivals.append(_rival(here, name, begin))
-        found = _told(rivals, every, changed)
-        if found.effect or budget.spent:
+        for gain, name, begin in _promising(here, names, budget):
+            # what promises less than what is told already would leave something, too
+            if budget.spent or (told and gain < gains.get(told.effect, 0.0)):
+                break
+            gains[name] = gain
+            with suppress(*FAILURES):
+                rivals.append(_rival(here, name, begin))
+        found, lacking = _told(rivals, every, changed)
+        whole = bool(found.effect) and not lacking
+        told = found if told is None or not told.effect or whole else told
+        if whole or budget.spent:
             break
-    return replace(found, stopped="the time for it is spent") if budget.spent else found
+    assert told is not None
+    return replace(told, stopped="the time for it is spent") if budget.spent else told
 
 
-def _promising(here: Frame, names: Collection[str], budget: Budget) -> list[tuple[str, Begin]]:
-    """The effects of these names whose sizes, each recording's own, take away most to first order, each with where its fit begins."""
+def _promising(here: Frame, names: Collection[str], budget: Budget) -> list[tuple[float, str, Begin]]:
+    """The effects of these names whose sizes, each recording's own, take away most to first order, each with that (rad^2), and with where its
+    fit begins."""
     model, gains = here.fit.model, []
     for name in names:
         effect = model.catalogue[name]
@@ -215,7 +225,7 @@ def _promising(here: Frame, names: Collection[str], budget: Budget) -> list[tupl
             begin, column = _offered(here, effect)
             gains.append((explained(here, here.apart(column))[0], name, begin))
     gains.sort(key=lambda one: -one[0])
-    return [(name, begin) for _, name, begin in gains[:_FITTED]]
+    return gains[:_FITTED]
 
 
 def _offered(here: Frame, effect: Effect) -> tuple[Begin, Floats]:
@@ -271,17 +281,21 @@ def _jointly(
     return refit([Begin(model, begin.swings), Begin(model, middle)], swings, seen=seen, ended=True)
 
 
-def _told(rivals: Sequence[_Rival], every: Campaign, changed: Mapping[str, Value]) -> Difference:
-    """The ``Difference`` that these explanations leave."""
+def _told(rivals: Sequence[_Rival], every: Campaign, changed: Mapping[str, Value]) -> tuple[Difference, bool]:
+    """The ``Difference`` that these explanations leave, and whether all recordings lack something beside it."""
     swings, best = every.fit, min(rivals, key=lambda one: one.fit.rss)
     noise = noise_of(every, best.fit)
     period = 2 * np.pi / best.fit.model.values[NATURAL_FREQUENCY.name]
     torques = Unnamed(best.fit, swings, period, noise, alike=True)
-    plain, unnamed = np.array([_evidence(one, swings, noise, torques) for one in rivals]).T
+    seen = []
+    for one in rivals:
+        with suppress(*FAILURES):  # of one that cannot be seen to first order
+            seen.append((one, *_evidence(one, swings, noise, torques)))
+    rivals, plain, unnamed = [one for one, *_ in seen], *np.array([logs for _, *logs in seen]).T
     logs = np.logaddexp(plain, unnamed)
     shares = np.exp(logs - np.logaddexp.reduce(logs))
     order = np.argsort(-shares)
-    first = rivals[order[0]]
+    first, lacking = rivals[order[0]], bool(unnamed[order[0]] > plain[order[0]])
     ties, chance = [], float(shares[order[0]])
     for k in order[1 : USUAL.ties]:
         if (
@@ -293,14 +307,14 @@ def _told(rivals: Sequence[_Rival], every: Campaign, changed: Mapping[str, Value
         ties.append(rivals[k].effect)
         chance += float(shares[k])
     if first.effect is None:
-        return Difference(changed, None, tuple(ties), chance, first.share)
+        return Difference(changed, None, tuple(ties), chance, first.share), lacking
     frequency = _sizes(first.fit, swings, NATURAL_FREQUENCY.name)
     if chance < USUAL.probable or first.share > USUAL.share:
-        return Difference(changed, None, tuple(ties), chance, first.share, frequency=frequency)
+        return Difference(changed, None, tuple(ties), chance, first.share, frequency=frequency), lacking
     own = first.fit.model.own
     sizes = _sizes(first.fit, swings, own[0]) if own else frequency
-    law = _law(tuple(changed.values()), sizes, bool(unnamed[order[0]] > plain[order[0]]))
-    return Difference(changed, first.effect, tuple(ties), chance, first.share, sizes, frequency, law)
+    law = _law(tuple(changed.values()), sizes, lacking)
+    return Difference(changed, first.effect, tuple(ties), chance, first.share, sizes, frequency, law), lacking
 
 
 def _evidence(one: _Rival, swings: Sequence[Swing], noise: Noise, torques: Unnamed) -> tuple[float, float]:

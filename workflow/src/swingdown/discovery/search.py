@@ -290,7 +290,7 @@ class _Search:
         """What else would do: the structure without each of its effects, those of the base too, with another in the place of each, and with
         each law of damping."""
         self.doubted.add(last.key)
-        for name in self.pool.base & last.key if len(last.key) > 1 else ():
+        for name in self.pool.begun_with & last.key if len(last.fit.model.names) > 1 else ():
             if not self.budget.spent:
                 self.pool.lacking(last, [name])
         self._without_idle()
@@ -301,7 +301,7 @@ class _Search:
             for one in in_place_of(last.frame, self.pool.noise, name, self.allowed, beside=True):
                 if not one.refused:
                     self.pool.look(one.fit)
-            for old in self.pool.base - last.key:
+            for old in self.pool.begun_with - last.key:
                 with suppress(TrajectoryError):
                     self.pool.look(self._restored(last.fit, name, old))
         self._look_at_laws(last)
@@ -311,7 +311,9 @@ class _Search:
         effect costs is no evidence against another."""
         pool = self.pool
         for one in list(pool.known.values()):
-            idle = [name for name in pool.base & one.key if pool.added(one.key) and not clear(one.fit, name)]
+            idle = [
+                name for name in pool.begun_with & one.key if pool.added(one.key) and not clear(one.fit, name)
+            ]
             gain = 0.5 * len(idle) * np.log(pool.noise.effective(one.fit.n))
             if idle and one.evidence + gain > pool.best.evidence + np.log(pool.criterion.possible):
                 if self.budget.spent:

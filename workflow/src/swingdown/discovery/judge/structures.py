@@ -110,6 +110,11 @@ class Pool:
         self.known[self.base] = self.first
 
     @property
+    def begun_with(self) -> Key:
+        """The effects of the base."""
+        return self.base - {OWN}
+
+    @property
     def absolute(self) -> float:
         """The evidence of the best structure and of its noise, in units that no noise sets."""
         return self.best.evidence + self.unnamed.level(self.best.frame) + self.noise.likely
