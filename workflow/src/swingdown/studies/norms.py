@@ -156,10 +156,9 @@ def combine_recordings(datasets: Iterable[xr.Dataset]) -> xr.Dataset:
     parts = [_with_recording(dataset) for dataset in datasets]
     combined = parts[0].copy() if len(parts) == 1 else _combined(parts, "recording", "experiment/norms")
     emulated = "yes" if "yes" in combined["emulated"].values else "no"
-    for name in ("norm", "error_bound_norm"):  # of angles and of rates, side by side
-        if name in combined and "units" not in combined[name].attrs:
-            units, text = LABELS[name]
-            comment = "degrees/s of recordings whose reading is rate"
+    for name, (units, text) in LABELS.items():  # of angles and of rates, side by side
+        if units and name in combined and "units" not in combined[name].attrs:
+            comment = f"{units}/s of recordings whose reading is rate"
             combined[name].attrs |= {"units": units, "long_name": text, "comment": comment}
     order = ("fitted", "recording", "parameter", "parameter_2", "course", "course_2")
     return combined.transpose(*order, missing_dims="ignore").assign_attrs(emulated=emulated)
