@@ -269,6 +269,23 @@ def test_a_search_that_breaks_off_ends_as_unknown_with_its_reason(two, monkeypat
     assert "the search broke off (float division by zero)" in found["sentence"]
 
 
+def test_what_held_out_swings_alone_show_is_missing():
+    """The smaller of two swings dies away faster than the larger one, which alone is fitted."""
+    (large,) = swings("viscous", releases=(0.9,), viscous_ratio=0.004)
+    (small,) = swings("viscous", releases=(0.5,), viscous_ratio=0.006, seed=4)
+    one = campaign("a", [replace(large, name="large"), replace(small, name="small")])
+    found = verdict([summary(state, one) for state in discover(one, "viscous", allowed=[])])
+    assert found["status"] == "unknown" and "has no name" in found["sentence"]
+    assert (
+        "mostly" not in found["sentence"]
+        and f"{found['gap']['holdout'][-1]:.3g} times the noise" in found["sentence"]
+    )
+    (alike,) = swings("viscous", releases=(0.5,), viscous_ratio=0.004, seed=4)
+    one = campaign("a", [replace(large, name="large"), replace(alike, name="small")])
+    found = verdict([summary(state, one) for state in discover(one, "viscous", allowed=[])])
+    assert found["status"] == "consistent"
+
+
 def test_a_model_that_cannot_follow_the_held_out_swings_is_no_better_than_the_base(two, monkeypatch):
     from swingdown.discovery.judge import confirm, structures
 

@@ -24,7 +24,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from ..engine.trajectory import TrajectoryError
-from ..fitting.result import Fit
+from ..fitting.result import Begin, Fit
 from ..pendulum.catalogue import READINGS
 from ..pendulum.model import Model, as_model
 from ..studies.scale import scale_of
@@ -33,7 +33,7 @@ from .criterion import USUAL, Criterion
 from .data.campaign import Campaign
 from .judge.findings import stand_in, told_of
 from .judge.structures import Key, Structure
-from .move.admissible import clear
+from .move.admissible import chance_of, clear
 from .move.candidates import without
 from .move.evidence import Candidate
 from .move.laws import damping, with_each_law
@@ -165,6 +165,10 @@ class _Search:
         if not (states and (sure or states[-1].holdout.rms <= states[0].holdout.rms)):
             # where nothing is told, what held-out swings speak against is no better model
             last, found, states = way[0], {}, self._rounds(way[:1])
+        if not states[-1].missing and self._surprised(states[-1]):
+            states[-1] = replace(
+                states[-1], missing=True, groups=()
+            )  # where the fitted swings lack it is not seen
         state = replace(
             states[-1], reason=self._reason(last), findings=found, probabilities=pool.effects(), nothing=pool.nothing(),
             spent=self.budget.spent,
@@ -181,6 +185,19 @@ class _Search:
                 next_swing=self._next(state),
             )
         return [*states[:-1], replace(state, counting=tuple(self._counting(last)))]
+
+    def _surprised(self, state: Round) -> bool:
+        """Whether held-out swings show that something is missing of which the fitted ones show nothing: fitted to all of them the model leaves
+        more than it does of these, by more than five standard deviations of chance."""
+        fit, allowed = state.fit, chance_of(state.fit, self.pool.noise)
+        if state.holdout.rms <= allowed:
+            return False
+        swings = (*self.campaign.fit, *self.campaign.holdout)
+        begin = Begin(fit.model, (*fit.begin.swings, *state.holdout.begin.swings))
+        try:
+            return refit(begin, swings, grown=False, ended=True).rms > allowed
+        except TrajectoryError:
+            return True
 
     def _followed(self, way: list[Structure]) -> list[Structure]:
         """The way to the most probable structure that can follow the held-out swings: one that cannot is none."""

@@ -17,8 +17,17 @@ _VAGUE = 1.0  # standard error over value, of a shape that is not determined
 
 def leaves_noise(fit: Fit, noise: Noise) -> bool:
     """True if the residual's size is that of the noise, to five standard deviations of what the samples allow."""
-    n = noise.effective(fit.n)
-    return bool(abs(fit.rms / noise.deviation - 1) < 5 / np.sqrt(2 * n) + 0.01)
+    return bool(abs(fit.rms / noise.deviation - 1) < _by_chance(fit, noise))
+
+
+def chance_of(fit: Fit, noise: Noise) -> float:
+    """What further swings leave at most by chance (RMS, rad) with a fit that leaves nothing but noise."""
+    return max(fit.rms, noise.deviation) * (1 + _by_chance(fit, noise))
+
+
+def _by_chance(fit: Fit, noise: Noise) -> float:
+    """Five standard deviations of a residual's size, of one that is noise."""
+    return float(5 / np.sqrt(2 * noise.effective(fit.n)) + 0.01)
 
 
 def hopeless(best: Fit, swings: Sequence[Swing], noise: Noise) -> float:

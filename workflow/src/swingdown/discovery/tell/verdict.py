@@ -171,6 +171,7 @@ class Verdict:
                 "groups": _groups(first) if first["missing"] else {},
                 "remaining": _groups(last) if last["missing"] else {},
                 "remaining_kind": KINDS.get(last["kind"]),
+                "lacks": bool(last["missing"]),
             },
             "gap": {
                 "unit": "noise standard deviations",
