@@ -29,6 +29,20 @@ def test_the_sentence_names_what_takes_energy_and_nothing_else(model, restoring,
     assert headline(ROW | {"model": model}, restoring=restoring) == f"{told}: {NUMBERS}."
 
 
+@pytest.mark.parametrize(
+    ("friction", "error", "told"),
+    [
+        (0.0, float("nan"), "Air drag (viscous) stops it"),
+        (0.003, 0.008, "Air drag (viscous) stops it"),
+        (0.009, 0.002, "Air drag (viscous) and bearing friction stop it"),
+        (0.009, float("nan"), "Air drag (viscous) and bearing friction stop it"),
+    ],
+)
+def test_what_is_within_its_uncertainty_of_nothing_stops_no_pendulum(friction, error, told):
+    row = ROW | {"model": "viscous+load_coulomb", "load_friction": friction, "load_friction_u": error}
+    assert headline(row).startswith(told)
+
+
 def test_of_effects_of_ones_own_those_that_brake_stop_it():
     own = {
         "wet_felt": {"torque": "-k*thetadot*abs(theta)", "parameters": {"k": {}}},

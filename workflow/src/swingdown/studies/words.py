@@ -130,7 +130,8 @@ def headline(
     model = str(row["model"])
     if model in _UNTOLD:
         return f"{_UNTOLD[model]} {numbers}."
-    each = [words for one in (model, *or_models(row)) if (words := _stops(one, catalogue, restoring))]
+    seen = "+".join(_seen(model, quantities_of(row), catalogue)) or model
+    each = [words for one in (seen, *or_models(row)) if (words := _stops(one, catalogue, restoring))]
     joined = " or ".join(dict.fromkeys(map(listed, each)))
     status = verdict["status"] if verdict else ""
     remains = "" if verdict and verdict.get("unit_doubt") else _ENDINGS.get(status, "")
@@ -174,6 +175,13 @@ _ENDINGS: dict[str, str] = {
     Status.AMBIGUOUS: "Something else acts; the data leave open what.",
     Status.PARTIAL: "Something remains that has no name here.",
 }
+
+
+def _seen(model: str, known: Mapping[str, Quantity], catalogue: Catalogue) -> list[str]:
+    """The effects of a model but those whose size is within its uncertainty of nothing: these are in it, and stop no pendulum."""
+    effects = [catalogue[name] for name in model.split("+") if name in catalogue]
+    sizes = {one.name: known.get(one.size.name) if one.size else None for one in effects}
+    return [name for name, size in sizes.items() if size is None or size.value > max(0.0, size.uncertainty)]
 
 
 def _stops(model: str, catalogue: Catalogue, restoring: str) -> list[str]:
