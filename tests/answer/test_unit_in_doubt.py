@@ -40,6 +40,22 @@ def test_a_stated_unit_is_never_overruled_and_nothing_is_named_whose_work_is_tha
     assert "57.3 times" in found.verdict["sentence"] and "57.3 times" in found.row["remark"]
 
 
+@pytest.mark.slow("a search")
+def test_what_is_found_in_the_stated_unit_where_another_would_leave_more_settles_it():
+    """24 notches a turn change the period with the amplitude, as another unit would; that leaves 15 times the noise, and they nothing."""
+    times, values = np.arange(0, 20, 0.01), {"natural_frequency": 5.0, "viscous_ratio": 0.005}
+    model = Model(
+        "viscous+detent", values | {"detent_torque": 0.15, "detent_order": 24.0, "detent_phase": -2.736}
+    )
+    draws = np.random.default_rng(2)
+    angles = [
+        simulate(model, times, release) + 1e-3 * draws.standard_normal(times.size) for release in (0.5, 0.3)
+    ]
+    assert "the unit is in doubt" in swingdown.fit([times] * 2, angles, unit="rad").table["remark"].iloc[-1]
+    found = swingdown.explain([times] * 2, angles, unit="rad")
+    assert [one["name"] for one in found.verdict["effects"]] == ["detent"] and "in doubt" not in str(found)
+
+
 def test_degrees_without_a_word_that_no_model_follows_are_asked_about():
     """Two coupled pendulums: their beats are of no damping, in any unit."""
     times = np.arange(0, 45, 0.025)

@@ -178,12 +178,11 @@ class _Search:
                 swing.pair for swing in self.campaign.whole or (*self.campaign.fit, *self.campaign.holdout)
             ]
             scale = scale_of(pairs, state.fit.model.restoring, self.campaign.reading)
-            state = replace(
-                state,
-                unit_doubt=self.campaign.unit_doubt
-                or ("" if self.campaign.own else scale.doubt(READINGS[self.campaign.reading])),
-                next_swing=self._next(state),
-            )
+            # where nothing is missing any more, and another unit would leave something, it is found in the unit that there is
+            clear = not state.missing and scale.left > chance_of(state.fit, pool.noise)
+            known = self.campaign.own or clear
+            doubt = "" if known else scale.doubt(READINGS[self.campaign.reading])
+            state = replace(state, unit_doubt=self.campaign.unit_doubt or doubt, next_swing=self._next(state))
         return [*states[:-1], replace(state, counting=tuple(self._counting(last)))]
 
     def _surprised(self, state: Round) -> bool:

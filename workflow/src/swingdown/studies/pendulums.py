@@ -26,6 +26,7 @@ from ..status import REMAINING, Status
 from .described import described, described_by, over_laws, probability, reading_of, rivals, weights
 from .norms import as_text
 from .quantities import UNITS, Quantity, loss_seen
+from .scale import IN_DOUBT
 from .turning_points import NOT_DAMPED, as_told, passages_told, period_of_passages
 from .unexplained import MUCH, doubt
 from .unscaled import as_seen, at_first_swing, meets
@@ -292,9 +293,16 @@ def by_verdict(row: Mapping[str, Any], verdict: Mapping[str, Any]) -> dict[str, 
     if zero and is_open(zero["value"], zero["standard_error"]):
         found |= cells_of(ZERO, Quantity(zero["value"], zero["standard_error"], zero["unit"]))
     rates = verdict.get("reading") == RATE
+    settled = verdict.get("effects") and not verdict.get(
+        "unit_doubt"
+    )  # what was missing is found in the unit that there is
+    remarks = [
+        one for one in row.get("remark", "").split("; ")
+        if one != _doubt_of(row) and not (settled and one.startswith(IN_DOUBT))
+    ]  # fmt: skip
     return _of_what_is_seen(found | {
         "amplitude_rad": np.nan if own else concluded["amplitude_rad"], **own, "model": concluded["model"], "model_of": SEARCH,
-        "remark": joined(*(one for one in row.get("remark", "").split("; ") if one != _doubt_of(row))),
+        "remark": joined(*remarks),
         RESIDUALS[RATE if rates else ANGLE]: concluded["residual"],
     })  # fmt: skip
 

@@ -25,6 +25,7 @@ from ..pendulum.slack import ZERO, reading_slack
 from .comparison import WORTH
 
 DEGREE = pi / 180
+IN_DOUBT = "the unit is in doubt"
 _MODEL = "viscous+quadratic_drag+load_coulomb"  # whatever damps: only the period is asked
 _BESIDE = "cubic_stiffness"  # any other change of the period with the amplitude, to first order
 _OPEN = reading_slack({ZERO: {"where it hangs": 1.0}}).weighed(0.0)  # of a zero nothing is known
@@ -54,7 +55,7 @@ class Scale:
         if self.factor < 1:
             way, mistake = "smaller", "degrees taken for rad, or a spring's pull?"
         return (
-            f"the unit is in doubt ({mistake}): damping leaves {1e3 * self.left_given:.3g} m{unit} RMS of these swings, and "
+            f"{IN_DOUBT} ({mistake}): damping leaves {1e3 * self.left_given:.3g} m{unit} RMS of these swings, and "
             f"{1e3 * self.left:.3g} m{unit} where they are {1 / DEGREE:.3g} times {way}"
         )
 
