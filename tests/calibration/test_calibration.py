@@ -1,6 +1,7 @@
 """Calibration: heights and voltages to a line, in three modes that agree where they should and say where they do not."""
 
 import copy
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -10,7 +11,7 @@ import yaml
 from scipy.optimize import approx_fprime
 
 from swingdown import dataset
-from swingdown.calibration import MODES, calibrate
+from swingdown.calibration import MODES, calibrate, modes
 from swingdown.calibration.chain import lengths, measurement
 from swingdown.calibration.deviation import deviation_lines, extreme_lines
 from swingdown.calibration.geometry import arm_angle, printed_bound
@@ -60,7 +61,7 @@ def test_the_angle_of_known_triangles():
 
 
 def test_the_printed_bound_is_the_differential_of_the_angle():
-    height, limits, height_limit = 0.045, [4e-5, 2e-6, 2e-6, 4e-5], 3e-5
+    height, limits, height_limit = 0.045, [4e-5, 2e-6, 5e-6, 4e-5], 3e-5
     slopes = approx_fprime([*LENGTHS, height], lambda x: arm_angle(*x), 1e-8)
     sizes = np.abs(slopes) * [*limits, height_limit]
     assert printed_bound(LENGTHS, limits, height, height_limit, signed=False) == pytest.approx(
@@ -157,6 +158,11 @@ def test_the_budget_adds_up(bench):
         budget.contribution.values
     )
     assert set(budget.kind) == {"random", "systematic"}
+    assert (budget.contribution != 0).all()
+    named = {f"{of}_{k}" for of in ("mean_voltage", "encoder_error") for k in range(1, 5)}
+    assert named < {*slope.source}
+    told = budget[budget.quantity.isin(["slope", "rest_voltage"])]
+    assert sorted(calibration["source"].values) == sorted(set(told.source))
     assert {"source", "limit", "divisor", "standard_uncertainty", "sensitivity", "contribution", "share"} <= {
         *budget
     }
@@ -187,8 +193,6 @@ def test_the_same_seed_gives_the_same_calibration_and_it_can_be_written(bench, t
 
 def test_draws_with_the_drop_longer_than_the_arm_are_told_not_clipped(bench):
     """A tower at 1.6 degrees: the arm can then be too short, in some draws but few."""
-    from swingdown.calibration import modes
-
     apparatus = bench[0]
     low = 0.24 - 0.208 * np.cos(np.radians(1.6)) - 0.0127
     apparatus, _ = steps(apparatus, [low, 0.02385, 0.03445, 0.0509])
@@ -270,3 +274,111 @@ def test_the_lines_of_the_covariance_cross_where_the_line_is_known_best():
     at = np.linspace(0, 6, 6001)
     assert crossing == pytest.approx(at[np.argmin(line.predict(at)[1])], abs=2e-3)
     assert low[0] + low[1] * crossing == pytest.approx(line.predict(crossing)[0])
+
+
+def test_a_sample_s_errors_are_turned_into_angles_by_the_slope(bench):
+    """At rest and at 20 degrees, each with an encoder's error and noise of its own."""
+    apparatus, _, calibration, _ = bench
+    means = [Mean(float(v), 0.002, 1.2e-4, 299.0, 0.0, 300.0) for v in calibration["voltage"].values]
+    chain = measurement(apparatus, means, Mean(5.0, 0.002, 1e-4, 299.0, 0.0, 300.0), noise=0.003)
+    plain = chain(chain.values)
+    assert plain[3:] == pytest.approx([0.0, np.radians(20)], abs=1e-9)
+    away = chain.values.copy()
+    away[chain.part("sample")] = [0.010, -0.002, 0.020, 0.005]
+    assert chain(away)[3:] - plain[3:] == pytest.approx(plain[1] * np.array([0.008, 0.025]), rel=1e-9)
+    # at rest up to 15 mV, above 25 mV, any as likely
+    errors = [chain.inputs[k].standard_uncertainty for k in range(*chain.part("sample").indices(99))]
+    assert errors == pytest.approx([0.015 / np.sqrt(3), 0.003, 0.025 / np.sqrt(3), 0.003])
+
+
+def test_a_point_s_voltage_is_as_sure_as_its_mean_and_its_encoder(bench):
+    calibration = bench[2]
+    right = np.hypot(calibration["voltage_random_uncertainty"].values, 0.025 / np.sqrt(3))
+    found = calibration["voltage_uncertainty"]
+    assert found.sel(mode="gum").values == pytest.approx(right, rel=1e-9)
+    assert found.sel(mode="monte-carlo").values == pytest.approx(right, rel=0.02)
+    assert calibration["angle_uncertainty"].sel(mode="monte-carlo").values == pytest.approx(
+        calibration["angle_uncertainty"].sel(mode="gum").values, rel=0.05
+    )
+
+
+def test_what_is_told_of_the_line_follows_from_its_values_and_covariance(bench):
+    calibration, budget = bench[2:]
+    for mode in MODES:
+        one = calibration.sel(mode=mode)
+        intercept, slope = one["line"].values
+        covariance = one["line_covariance"].values
+        x, y = calibration["voltage"].values, calibration["angle"].values
+        assert one["residual"].values == pytest.approx(y - intercept - slope * x, abs=1e-12)
+        zero = -intercept / slope
+        by = np.array([-1 / slope, -zero / slope])
+        assert float(one["line_rest_voltage"]) == pytest.approx(zero)
+        assert float(one["line_rest_voltage_uncertainty"]) == pytest.approx(
+            np.sqrt(by @ covariance @ by), rel=1e-3
+        )
+        if mode == "paper":
+            boxes = one["angle_uncertainty"].values ** 2 + (slope * one["voltage_uncertainty"].values) ** 2
+            assert float(one["chi2"]) == pytest.approx(np.sum(one["residual"].values ** 2 / boxes))
+            assert float(one["rest_voltage_uncertainty"]) == pytest.approx(np.sqrt(by @ covariance @ by))
+            assert float(one["slope_rest_covariance"]) == pytest.approx((covariance @ by)[1])
+    both = budget.pivot(index="source", columns="quantity", values="contribution").fillna(0.0)
+    gum, drawn = calibration.sel(mode="gum"), calibration.sel(mode="monte-carlo")
+    shared = float(both["slope"] @ both["rest_voltage"])
+    assert float(gum["slope_rest_covariance"]) == pytest.approx(shared)
+    size = np.linalg.norm(both["slope"]) * np.linalg.norm(both["rest_voltage"])
+    assert float(drawn["slope_rest_covariance"]) / size == pytest.approx(shared / size, abs=0.03)
+    assert float(gum["rest_voltage_uncertainty"]) == pytest.approx(np.linalg.norm(both["rest_voltage"]))
+    zeros = float(gum["line_rest_voltage"]), float(gum["rest_voltage"])
+    over = abs(zeros[0] - zeros[1]) / float(gum["line_rest_voltage_uncertainty"])
+    assert calibration.attrs["zero_difference_over_u"] == pytest.approx(over)
+    assert calibration.attrs["dof"] == 2
+
+
+def test_the_angle_of_a_sample_by_monte_carlo_is_that_of_first_order(bench):
+    """slope (voltage + errors - rest) over the encoder's range, where the arm hangs in the middle of it."""
+    apparatus, _, calibration, _ = bench
+    slope = calibration["line"].sel(mode="gum", coefficient="slope").item()
+    rest = calibration["rest_voltage"].sel(mode="gum").item()
+    u_slope = calibration["line_covariance"].sel(mode="gum").values[1, 1] ** 0.5
+    u_rest = calibration["rest_voltage_uncertainty"].sel(mode="gum").item()
+    shared = calibration["slope_rest_covariance"].sel(mode="gum").item()
+    volts = calibration["grid"].values
+    assert volts[[0, -1]] == pytest.approx([0.0, 10.0])
+    away, noise = volts - rest, calibration["noise_voltage"].item()
+    limit = np.where(volts <= 5.0, 0.015, 0.025)
+    variance = slope**2 * (limit**2 / 3 + noise**2 + u_rest**2) + away**2 * u_slope**2
+    u = np.sqrt(variance - 2 * away * slope * shared)
+    assert np.all(np.abs(calibration["grid_angle"].values - slope * away) < 0.1 * u)
+    assert calibration["grid_uncertainty"].values == pytest.approx(u, rel=0.03)
+    low, high = (calibration[f"grid_{side}"].values for side in ("low", "high"))
+    half = (high - low) / 2
+    # between the 95 % of a flat error, 0.95 sqrt 3 times its u, and of a normal one
+    assert np.all((half / u > 0.95 * np.sqrt(3) * 0.97) & (half / u < 1.96 * 1.03))
+    assert np.all(np.abs((high + low) / 2 - slope * away) < 0.1 * u)
+    factor = calibration["coverage_factor"].sel(mode="monte-carlo").item()
+    assert factor == pytest.approx(np.median(half / calibration["grid_uncertainty"].values))
+
+
+def test_the_range_of_an_arm_that_hangs_at_no_voltage_is_on_both_sides(bench):
+    apparatus, means = steps(bench[0], [0.02385, 0.03445, 0.0509, 0.07])
+    chain = measurement(apparatus, [replace(one, value=one.value - 5) for one in means])
+    found = modes.monte_carlo(chain, apparatus, 0.001, 2000, 1)
+    assert found.grid_voltage[[0, -1]] == pytest.approx([-10.0, 10.0])
+    assert found.left_out == 0
+
+
+def test_lengths_of_which_most_draws_are_impossible_are_refused(bench):
+    apparatus, means = steps(bench[0], [0.24 - 0.208 * np.cos(0.01) - 0.0127, 0.02385, 0.03445, 0.0509])
+    chain = measurement(apparatus, means)
+    assert 0 < modes.monte_carlo(chain, apparatus, 0.001, 2000, 1).left_out < 0.5
+    shorter = replace(chain.inputs[3], value=chain.inputs[3].value - 3e-5)
+    chain = replace(chain, inputs=(*chain.inputs[:3], shorter, *chain.inputs[4:]))
+    with pytest.raises(InputError, match="most draws of the lengths are impossible"):
+        modes.monte_carlo(chain, apparatus, 0.001, 2000, 1)
+
+
+def test_extreme_lines_of_falling_points_are_the_mirror_image():
+    x, y = np.array([1.0, 2.0, 3.0, 4.0]), np.array([0.52, 0.98, 1.53, 1.99])
+    half_x, half_y = np.full(4, 0.05), np.full(4, 0.03)
+    rising, falling = (extreme_lines(x, side * y, half_x, half_y)[0] for side in (1, -1))
+    assert falling == pytest.approx(-rising[::-1])
