@@ -4,14 +4,23 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
+from scipy.special import softmax
 from scipy.stats import theilslopes
 
 import swingdown
 from swingdown.arrays import Shown
+from swingdown.fitting.passages import both_ways, pace
+from swingdown.measurement.slack import of_angles
 from swingdown.studies.pendulums import NOT_DYING, pendulums
 from swingdown.studies.quantities import cycle
 from swingdown.studies.stop_watch import _run_away, by_stop_watch, timed
-from swingdown.studies.unscaled import of_first_swings, of_last_swings, pace_of
+from swingdown.studies.unscaled import (
+    at_first_swing,
+    counted_passages,
+    of_first_swings,
+    of_last_swings,
+    pace_of,
+)
 
 TIMES = np.arange(0.0, 40.0, 0.02)
 
@@ -200,3 +209,62 @@ def test_too_few_passages_tell_no_period():
         np.isnan(of_first_swings(times, swing)["period_first"])
         and np.isnan(of_last_swings(times, swing)).all()
     )
+
+
+@pytest.mark.parametrize("drift", [0.0, 4e-5, 4e-4])
+def test_a_change_of_the_period_counts_as_far_as_it_is_seen(drift):
+    """Akaike's weights: a course on which the period changes has one value more, and has to lower chi-squared by more than two for it."""
+    ends = np.concatenate([[0.0], np.cumsum(2.0 * (1 + drift * np.arange(18)))])
+    jitter = 2e-3 * np.random.default_rng(2).standard_normal(ends.size)
+    times = np.arange(0, ends[-1], 0.01)
+    series = np.cos(2 * np.pi * np.interp(times, ends + jitter, np.arange(ends.size)))
+    angle = xr.Dataset({"angle": ("time", series)}, {"time": times})
+    told = pace_of(angle, times, series)
+    found, halves = counted_passages(times, series)
+    one = pace(both_ways(found, halves), halves, of_angles([angle]).clock)
+    criteria = np.array([0.0, 2 - (one.change / one.u_change) ** 2])  # less the steady one's
+    steady, changing = softmax(-criteria / 2)
+    first = steady * one.period + changing * one.first
+    assert told["period_first"] == pytest.approx(first)
+    spread = steady * (one.u_period**2 + (one.period - first) ** 2) + changing * (one.u_first**2 + (one.first - first) ** 2)  # fmt: skip
+    assert told["period_first_u"] == pytest.approx(np.sqrt(spread))
+    assert told["period_change"] == pytest.approx(changing * one.change)
+    spread = changing * one.u_change**2 + steady * changing * one.change**2
+    assert told["period_change_u"] == pytest.approx(np.sqrt(spread))
+    assert (told["period_change"] > 2 * told["period_change_u"]) == (drift == 4e-4)
+
+
+def test_a_passage_in_a_hole_is_counted_and_has_no_time():
+    """A hole of more than a quarter of a half-swing: in a smaller one the swing is nearly a line."""
+    for hole, seen in ((0.1, True), (0.2, False)):  # s on either side of a passage, of half-swings of 1 s
+        there = np.abs(TIMES - 4.5) > hole
+        found, halves = counted_passages(TIMES[there], np.cos(np.pi * TIMES[there]))
+        assert np.isclose(found, 4.5, atol=0.02).any() == seen
+        assert halves[-1] == 39 and halves.size == 40 - (not seen)
+        assert found == pytest.approx(halves + 0.5, abs=5e-3)
+
+
+@pytest.mark.parametrize("restoring", ["sine", "linear"])
+def test_the_course_of_the_period_is_told_without_a_scale(restoring):
+    cells = {"period_first": 2.0, "period_first_u": 0.003, "period_change": -0.1, "period_change_u": 0.004}
+    own = xr.Dataset({name: ("fitted", [one]) for name, one in cells.items()}, attrs={"restoring": restoring})
+    period, row = at_first_swing(own)
+    assert tuple(period) == (2.0, 0.003, "s") and row["last_period_s"] == pytest.approx(1.9)
+    assert row["note"].startswith("between the first and the last swing the period goes from 2.0000(30) to 1.9000(50) s")  # fmt: skip
+    assert ("small swings needs the scale" in row["note"]) == (restoring == "sine")
+    assert row["period_of"] == "passages" and row["amplitude_text"] == "the first swing"
+    assert at_first_swing(own.assign(period_change=("fitted", [np.nan]))) == (None, {})
+    assert at_first_swing(own.drop_vars("period_first")) == (None, {})
+
+
+def test_the_last_swings_are_the_mean_of_four_periods():
+    """A half-swing apart, so that each half-swing is in two of them."""
+    passed = np.cumsum(np.concatenate([[0.3], np.tile([1.0, 1.02, 0.99, 1.01, 1.0, 0.98], 4)]))
+    times = np.arange(0, passed[-1] + 0.4, 0.002)
+    series = np.sin(
+        np.pi * np.interp(times, np.r_[passed[0] - 1, passed, passed[-1] + 1], np.arange(-1, passed.size + 1))
+    )
+    periods = (passed[2:] - passed[:-2])[-4:]
+    mean, u = of_last_swings(times, series)
+    assert mean == pytest.approx(periods.mean(), abs=1e-3)
+    assert u == pytest.approx(periods.std(ddof=1) / np.sqrt(2), rel=0.15)

@@ -5,12 +5,14 @@ import re
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.special import ellipk
 
 from swingdown.errors import InputError
 from swingdown.language import language
 from swingdown.measurement.stated import Stated
 from swingdown.studies.gravity import (
     Gravity,
+    budgets,
     gravity,
     gravity_of_two_pivots,
     of_two_pivots,
@@ -153,3 +155,40 @@ def test_what_is_said_of_g_is_said_in_each_language(code):
     assert "no place on Earth" in words and "was not given" in words
     told = language(code).text(words)
     assert not {"without", "place", "units", "length", "given", "else"} & set(re.findall(r"[a-z]+", told))
+
+
+def test_a_budget_says_what_the_fit_has_taken_off_the_period():
+    """The square of the elliptic period's factor, and what else the period of the swing is longer than that of small undamped ones by."""
+    found = gravity(SECOND, Stated(0.994, 1e-3), amplitude=0.6, period=2.06)
+    amplitude, damping = found.budget["value"].tolist()[-2:]
+    assert amplitude == pytest.approx((2 / np.pi * ellipk(np.sin(0.3) ** 2)) ** 2)
+    assert amplitude * damping == pytest.approx((2.06 / 2) ** 2)
+    assert "34.4°" in found.budget["quantity"].iloc[-2]
+    assert len(gravity(SECOND, Stated(0.994, 1e-3), amplitude=0.6).budget) == len(found.budget) - 2
+
+
+def test_sensitivities_are_slopes_with_their_signs():
+    """By differences: g rises with the length and the frequency, and falls where a bob is denser."""
+    inputs = {"natural_frequency": np.pi, "length": 0.5, "bob_diameter": 0.1, "bob_density": 800.0}
+    stated = {name: Stated(value, 1e-4) for name, value in inputs.items()}
+    found = gravity(**stated)
+    names = {"natural frequency": "natural_frequency", "length": "length", "bob's diameter": "bob_diameter", "bob's density": "bob_density"}  # fmt: skip
+    for told, name in names.items():
+        ends = [gravity(**stated | {name: Stated(inputs[name] * (1 + h), 1e-4)}).value for h in (-1e-5, 1e-5)]
+        slope = (ends[1] - ends[0]) / (2e-5 * inputs[name])
+        assert part(found, told)["sensitivity"] == pytest.approx(slope, rel=1e-6)
+        assert part(found, told)["contribution_m_per_s2"] == pytest.approx(abs(slope) * 1e-4, rel=1e-6)
+    parts = found.budget["contribution_m_per_s2"].to_numpy(float)
+    assert found.uncertainty == pytest.approx(np.sqrt(np.sum(parts**2)))
+    held = np.delete(parts, list(found.budget["quantity"]).index("length"))
+    assert found.u_without_length == pytest.approx(np.sqrt(np.sum(held**2)))
+
+
+def test_budgets_stand_below_each_other_each_with_its_g():
+    each = {"a": gravity(SECOND, Stated(0.994, 1e-3)), "b": gravity(SECOND, Stated(1.0, 1e-3))}
+    whole = budgets(each)
+    assert list(whole["recording"]) == ["a"] * 3 + ["b"] * 3
+    own = whole[whole["quantity"] == "g"]
+    assert list(own["value"]) == [one.value for one in each.values()]
+    assert list(own["contribution_m_per_s2"]) == [one.uncertainty for one in each.values()]
+    assert list(own["sensitivity"]) == [1.0, 1.0] and budgets({}).empty
