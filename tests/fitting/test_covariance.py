@@ -8,9 +8,10 @@ from swings import CASES, SHORT, TIMES
 
 from swingdown.engine.trajectory import sensitivities, simulate
 from swingdown.fitting.batch import fit_batch
-from swingdown.fitting.covariance import inverse_of
+from swingdown.fitting.covariance import covariance_of, inverse_of
 from swingdown.fitting.least_squares import fit_trajectory
 from swingdown.pendulum.model import Model
+from swingdown.pendulum.slack import reading_slack
 
 
 def problem(size, upper=np.inf):
@@ -80,3 +81,32 @@ def test_what_the_data_do_not_tell_has_no_standard_error():
     errors = fit.model.standard_errors
     assert not errors["constant_torque"] < 100 and not errors["sensor_zero"] < 100
     assert fit.rms == pytest.approx(1e-3, rel=0.1)
+
+
+def test_what_is_known_beforehand_moves_the_values_as_far_as_the_data_let_it():
+    """By the normal equations: noise acts through the data alone, an error of a source through its weight beside them, the clock by units."""
+    free = ["natural_frequency", "viscous_ratio", "sensor_gain", "release_angle", "release_velocity"]
+    sources = {"sensor_gain": {"length": 0.005, "volt": -0.003}}
+    model = Model("viscous").with_slack(reading_slack(sources, clock=1e-4).weighed(0.01))
+    at, precision = np.array([7.0, 0.01, 0.02, 0.3, -0.5]), np.zeros((5, 5))
+    precision[2, 2] = 0.01**2 / (0.005**2 + 0.003**2)
+    slopes = np.random.default_rng(1).standard_normal((200, 5))
+    slopes[:, 3] += 2 * slopes[:, 2]
+    given = SimpleNamespace(
+        **vars(problem(5)), n=200, free=free, model=model, known=SimpleNamespace(precision=precision)
+    )
+    hessian = slopes.T @ slopes + precision
+    covariance, systematic = covariance_of(given, hessian, 3.0, at)
+    inverse = np.linalg.inv(hessian)
+    pulled = inverse[:, 2] * precision[2, 2]
+    clock = 1e-4 * np.array([-7.0, 0, 0, 0, 0.5])
+    assert systematic == pytest.approx(np.column_stack([pulled * 0.005, -pulled * 0.003, clock]))
+    random = 3.0 / 195 * inverse @ slopes.T @ slopes @ inverse
+    assert covariance == pytest.approx(random + systematic @ systematic.T)
+    held = SimpleNamespace(**vars(given) | {"upper": np.array([np.inf, 0.01, *[np.inf] * 3])})
+    covariance, systematic = covariance_of(held, hessian, 3.0, at)
+    assert np.isnan(systematic[1, :2]).all() and np.isnan(covariance[1]).all()
+    kept = np.ix_([0, 2, 3, 4], [0, 2, 3, 4])
+    pulled = np.linalg.inv(hessian[kept])[:, 1] * precision[2, 2]
+    assert systematic[[0, 2, 3, 4], 0] == pytest.approx(pulled * 0.005)
+    assert np.isfinite(covariance[kept]).all()

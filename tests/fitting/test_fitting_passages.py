@@ -92,3 +92,27 @@ def test_of_fewer_than_six_passages_one_way_nothing_is_taken_off():
         beside = passed(0.0)[:count] + 0.01 * (-1.0) ** halves
         assert np.array_equal(both_ways(beside, halves), beside) != taken
     assert both_ways(beside, halves) == pytest.approx(passed(0.0)[:12], abs=1e-9)
+
+
+def test_counts_may_begin_anywhere():
+    late = passed(-0.04) + 0.01 * np.exp(HALVES / 80) * (-1.0) ** HALVES
+    assert both_ways(late, HALVES + 6) == pytest.approx(both_ways(late, HALVES), abs=1e-9)
+    there, elsewhere = (pace(passed(-0.04, 1e-3), halves) for halves in (HALVES, HALVES + 7))
+    assert elsewhere[:-1] == pytest.approx(there[:-1])
+
+
+def test_periods_and_their_uncertainties_are_those_of_a_fitted_parabola():
+    """By a parabola through the times over the swings, whose slope is the period; noise that takes back each time what it added has no colour."""
+    white = np.random.default_rng(1).standard_normal(82)
+    times, swings = passed(-0.04) + 1e-3 * np.diff(white), HALVES / 2
+    found = pace(times, HALVES)
+    course, covariance = np.polyfit(swings, times, 2, cov=True)
+    slopes = {"first": [1.0, 1, 0], "period": [40.0, 1, 0], "change": [2 * 39.0, 0, 0]}
+    for name, slope in slopes.items():
+        assert getattr(found, name) == pytest.approx(np.dot(slope, course), rel=1e-9)
+        u = np.sqrt(np.dot(slope, covariance @ slope))
+        assert getattr(found, f"u_{name}") == pytest.approx(u, rel=1e-6)
+    left = times - np.polyval(course, swings)
+    assert found.residuals == pytest.approx(left) and found.scatter == pytest.approx(
+        np.sqrt(left @ left / 78)
+    )

@@ -176,3 +176,25 @@ def test_an_unknown_uncertainty_gives_no_chi2_rather_than_a_wrong_one(angles):
     fit = fit_recording(bare, ["viscous"])
     assert np.isnan(fit["reduced_chi2"]).all()
     assert np.isnan(fit["error_bound_norm"])
+
+
+def test_a_swing_about_another_middle_is_no_short_one(angles):
+    """Readings may lie anywhere: what counts as passed is their own middle."""
+    angle = angles[0].isel(time=slice(300)).assign(angle=angles[0]["angle"].isel(time=slice(300)) + 0.8)
+    fit = fit_recording(angle, [f"{TRUE_MODEL}+sensor_zero"])
+    found = fit.sel(fitted=f"{TRUE_MODEL}+sensor_zero")
+    assert float(found["value"].sel(parameter="sensor_zero")) == pytest.approx(0.8, abs=1e-4)
+
+
+def test_fits_know_how_long_each_recording_lasts(fits, joint):
+    assert all(float(one["record_s"]) == pytest.approx(19.98) for one in fits)
+    assert joint["record_s"].values == pytest.approx([19.98] * 4)
+    later = swing(0).assign_coords(time=swing(0)["time"] + 5.0)
+    alone, both = fit_recording(later, ["viscous"]), fit_campaign([later, swing(1)], ["viscous"])
+    assert float(alone["record_s"]) == pytest.approx(19.98)
+    assert both["record_s"].values == pytest.approx([19.98] * 2)
+
+
+def test_a_swing_is_seen_to_narrow(fits):
+    """Of a swing that dies: its turning points shrink, which a measured drive's need not."""
+    assert all(0 < float(one["narrowing"]) < 1 for one in fits)

@@ -5,9 +5,13 @@ import pytest
 
 from swingdown.answer.given import swings
 from swingdown.engine.trajectory import TrajectoryError, simulate
+from swingdown.fitting.least_squares import fit_trajectory
+from swingdown.fitting.slack import allowing
+from swingdown.fitting.uncertainty import uncertainty
 from swingdown.pendulum.model import Model
+from swingdown.pendulum.slack import reading_slack
 from swingdown.studies.experiment import fit_recording
-from swingdown.studies.fit_rows import rows_of
+from swingdown.studies.fit_rows import options_of, row_of_fit, rows_of
 
 TRUTH = Model("viscous", {"natural_frequency": 7.25, "viscous_ratio": 0.01})
 TIMES = np.arange(600) / 100
@@ -52,3 +56,55 @@ def test_the_largest_angle_is_counted_from_where_the_fitted_model_hangs():
     label = "viscous+constant_torque"
     found = fit_recording(angle, [label])
     assert float(found["largest_angle"].sel(fitted=label)) == pytest.approx(0.3, abs=2e-3)
+
+
+def test_a_row_keeps_what_the_fit_and_its_uncertainty_say():
+    """Of a sensor whose gain and zero the calibration leaves open; names that the model has not are nan."""
+    slack = reading_slack({"sensor_gain": {"length": 1e-3}, "sensor_zero": {"volt": 1e-3}}, clock=1e-4)
+    reading = simulate(TRUTH, TIMES, 0.3) + 1e-3 * np.random.default_rng(4).standard_normal(TIMES.size)
+    own = [(TIMES, reading)]
+    fit = allowing(fit_trajectory(TRUTH, *own[0], guess=TRUTH), own, slack)
+    (angle,) = swings(*own[0])
+    names = ["natural_frequency", "load_friction", "viscous_ratio"]
+    row, known = row_of_fit(fit, own, [angle], names), uncertainty(fit, own, free=True)
+    assert known.courses
+    at = [fit.free.index(name) for name in (names[0], names[2])]
+    whole = np.diag(known.random) + np.sum(known.systematic**2, axis=1)
+    for key, right in {
+        "value": fit.values,
+        "standard_error": np.sqrt(whole),
+        "random_standard_error": np.sqrt(np.diag(known.random)),
+        "systematic_standard_error": np.sqrt(np.sum(known.systematic**2, axis=1)),
+        "coverage_factor": known.factors,
+    }.items():
+        assert row[key][[0, 2]] == pytest.approx(right[at]) and np.isnan(row[key][1]), key
+    assert (
+        row["systematic"][[0, 2]] == pytest.approx(known.systematic[at])
+        and np.isnan(row["systematic"][1]).all()
+    )
+    zero = fit.free.index("sensor_zero")
+    assert (row["zero"], row["zero_u"]) == pytest.approx((fit.values[zero], np.sqrt(whole[zero])))
+    assert (
+        dict(zip(fit.model.slack.parameters, row["nuisance_value"], strict=True))["sensor_zero"]
+        == row["zero"]
+    )
+    shared = known.covariance[at[0], at[1]]
+    assert row["covariance"][0, 2] == pytest.approx(shared)
+    assert row["correlation"][0, 2] == pytest.approx(shared / np.sqrt(whole[at[0]] * whole[at[1]]))
+    sizes = np.linalg.eigvalsh(known.covariance / np.sqrt(np.outer(whole, whole)))
+    assert row["condition_number"] == pytest.approx(sizes[-1] / sizes[0], rel=1e-6)
+    assert row["evidence_norm"] == pytest.approx(np.degrees(fit.rms * np.sqrt(known.courses.left)))
+    assert row["variance_inflation"] == max(1.0, known.inflation)
+    assert row["evidence_inflation"] == max(1.0, known.courses.inflation)
+    assert row["largest_angle"] == pytest.approx([0.3 * np.exp(known.courses.begins[0])], rel=0.01)
+    plain = row_of_fit(fit_trajectory(TRUTH, *own[0]), own, [angle], names)
+    assert np.isnan([plain["zero"], plain["zero_u"]]).all()
+
+
+def test_fits_say_that_no_bound_was_set():
+    assert options_of([TRUTH], "free") == {
+        "start": "free",
+        "restoring": "sine",
+        "form": TRUTH.form,
+        "bounded": 0,
+    }
