@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 
 from swingdown.errors import InputError
 from swingdown.pendulum.drive import drive
 
-TIMES = np.array([0.0, 1.0, 2.0, 4.0, 5.0])
+TIMES = np.array([0.0, 0.8, 2.0, 4.0, 4.5])
 VALUES = np.array([1.0, 3.0, 2.0, 2.0, 0.0])
 
 
@@ -19,8 +20,8 @@ def test_between_samples_it_keeps_goes_straight_or_curves():
     at = np.array([0.5, 1.999, 3.0])
     assert drive(TIMES, VALUES, "torque", "hold").at(at) == pytest.approx([1, 3, 2])
     line = drive(TIMES, VALUES, "torque", "line")
-    assert line.at(at) == pytest.approx([2, 2.001, 2])
-    assert line.derivatives(at)[1] == pytest.approx([2, -1, 0]) and not line.derivatives(at)[2].any()
+    assert line.at(at) == pytest.approx([2.25, 2 + 0.001 / 1.2, 2])
+    assert line.derivatives(at)[1] == pytest.approx([2.5, -1 / 1.2, 0]) and not line.derivatives(at)[2].any()
 
 
 def test_a_curve_is_that_of_a_cubic_with_its_derivatives_and_straight_at_its_ends():
@@ -35,9 +36,9 @@ def test_a_curve_is_that_of_a_cubic_with_its_derivatives_and_straight_at_its_end
 
 def test_beyond_its_samples_a_curve_goes_on_straight_and_all_else_stays_as_it_was():
     curve = drive(TIMES, VALUES, "torque")
-    for edge, away in ((0.0, -1.0), (5.0, 1.0)):
+    for edge, away in ((0.0, -1.0), (4.5, 1.0)):
         value, rate, _ = (float(one) for one in curve.derivatives(edge))
-        for far in (0.5, 1.5, 3.0):
+        for far in (0.2, 0.5, 1.5, 3.0):
             assert float(curve.at(edge + far * away)) == pytest.approx(value + rate * far * away)
     for between in ("line", "hold"):
         assert drive(TIMES, VALUES, "torque", between).at([-3.0, 9.0]) == pytest.approx([1, 0])
@@ -73,4 +74,14 @@ def test_what_is_no_drive_is_refused_with_the_reason(changed, words):
 
 
 def test_four_samples_are_enough():
-    assert drive(TIMES[:4], VALUES[:4], "torque").at(1.0) == pytest.approx(3.0)
+    assert drive(TIMES[:4], VALUES[:4], "torque").at(0.8) == pytest.approx(3.0)
+
+
+def test_a_curve_is_the_natural_spline_with_its_slopes():
+    """Between samples of any spacing, and with knots that rise one step beyond them."""
+    found, right = drive(TIMES, VALUES, "torque"), CubicSpline(TIMES, VALUES, bc_type="natural")
+    at = np.linspace(0, 4.5, 46)
+    for order, values in enumerate(found.derivatives(at)):
+        assert values == pytest.approx(right(at, order), abs=1e-12)
+    assert found.knots == pytest.approx([-0.8, *TIMES, 5.0])
+    assert found.at(-0.8) == pytest.approx(1 - 0.8 * right(0.0, 1))
