@@ -38,3 +38,44 @@ def test_the_spread_of_fitted_values_under_rounding_is_foretold(ratio):
     # what independent errors would do is far off where steps are coarse, and about right where noise hides them
     alone = np.var(shifts, axis=0) / np.diag(white * inverse)
     assert (np.max(alone) > 1.5) == (ratio < 0.2)
+
+
+def test_levels_in_no_steps_and_steps_that_are_left_out():
+    """A signal that takes few values has steps only where these are multiples of one; of some of them nothing may be read."""
+    rng = np.random.default_rng(1)
+    irregular = np.cumsum(rng.uniform(0.5, 1.9, 40))
+    assert quantisation_step(irregular[rng.integers(0, 40, 2000)]) == 0
+    levels = 0.25 * np.array([0, 1, 2, 3, 5, 6, 9, 10, 11, 12, 20, 21])
+    assert quantisation_step(levels[rng.integers(0, 12, 500)]) == pytest.approx(0.25)
+    assert quantisation_step(np.tile([0.0, 1.0], 50)) == 0  # two levels are no steps
+    assert quantisation_step(np.tile([0.0, 1.0, 2.0], 50)) == 1
+    # printed or computed twice, a level is one level
+    assert quantisation_step(np.tile([0.0, 1.0, 1.0 + 1e-14, 2.0], 50)) == pytest.approx(1)
+
+
+@pytest.mark.parametrize("ratio", [0.0, 0.15, 0.3])
+@pytest.mark.parametrize("reach", [0.3, 2.0])
+def test_rounding_errs_as_its_mean_error_over_all_places_of_the_steps(ratio, reach):
+    """Of a signal that stays within a part of a step, or crosses some: the mean error beneath the noise, by quadrature, at each place."""
+    step, size = 0.02, 60
+    signal = step * reach * np.linspace(0, 1, size) ** 2
+    slopes = (1 + np.linspace(0, 1, size))[np.newaxis]
+    places = step * (np.arange(4000) + 0.5) / 4000
+    noise, weight = np.polynomial.hermite_e.hermegauss(200)
+    x = np.linspace(0, 1, 2001)[:-1]  # of a step
+    moved = x[:, np.newaxis] + ratio * noise
+    error = (np.round(moved) - moved) @ weight / weight.sum()
+    at = ((signal - places[:, np.newaxis]) / step) % 1
+    summed = step * np.interp(at, np.append(x, 1.0), np.append(error, error[0])) @ slopes[0]
+    own = np.mean(error**2) * step**2 * np.sum(slopes**2)  # of each sample alone, which counts as noise does
+    found = rounding(slopes, signal, step, ratio * step)[0, 0]
+    least = -0.5 * step**2 / 12 * np.sum(slopes**2)
+    assert found == pytest.approx(max(np.mean(summed**2) - own, least), rel=0.03, abs=0.02 * abs(least))
+
+
+def test_no_direction_is_left_with_less_than_half_of_its_noise():
+    """Samples spread evenly over a step err less together than noise would: of that half is kept."""
+    step, size = 0.01, 400
+    slopes = np.array([np.ones(size), 3 + np.cos(np.linspace(0, 2 * np.pi, size, endpoint=False))])
+    found = rounding(slopes, 5 * step * np.arange(size) / size * 7, step, 0.0)
+    assert found == pytest.approx(-0.5 * step**2 / 12 * slopes @ slopes.T, rel=1e-6)
