@@ -5,6 +5,8 @@ import json
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.special import ellipk
+from scipy.stats import f
 
 from swingdown.__main__ import main
 from swingdown.errors import InputError
@@ -311,3 +313,83 @@ def test_lines_of_several_pendulums_are_no_trials(tmp_path):
         written(tmp_path, "length (cm),T (s)", ["20,0.8", "20,1.0", "30,1.2", "30,1.0"])
     )  # a swing at a time
     assert len(one_by_one.table) == 2
+
+
+def test_a_mean_is_as_sure_as_the_scatter_of_all_trials_and_the_last_digit_leave_it(tmp_path):
+    """Pooled over lines (JCGM 100, 4.2), each about its own mean; half a unit of the last digit beside it (4.3.7)."""
+    trials = {"20": [9.02, 8.91, 9.05], "50": [14.11, 14.25, 14.2], "90": [19.1, 18.9]}
+    rows = [",".join([length, *(f"{one:.2f}" for one in times), ""][:4]) for length, times in trials.items()]
+    found = timed(written(tmp_path, "length (cm),10T 1 (s),10T 2 (s),10T 3 (s)", rows))
+    squares = sum(np.var(one) * len(one) for one in trials.values()) / (8 - 3)
+    u = [np.sqrt((squares + 0.01**2 / 12) / len(one)) / 10 for one in trials.values()]
+    assert found.table["period_s"].tolist() == pytest.approx([np.mean(one) / 10 for one in trials.values()])
+    assert found.table["period_s_u"].tolist() == pytest.approx(u)
+    assert "`10T 1 (s)`, `10T 2 (s)`, `10T 3 (s)` as times of 10 swings; trials side by side" in found.told[0]
+    assert found.table["label"].tolist() == ["line 2", "line 3", "line 4"] and found.period() is None
+    assert not any("there are no trials" in one for one in found.told)
+
+
+def test_without_trials_the_last_digit_alone_is_told_and_said(tmp_path):
+    found = timed(written(tmp_path, "length (cm),10T (s)", ["20,9.0", "50,14.2"]))
+    assert found.table["period_s_u"].tolist() == pytest.approx([0.1 / np.sqrt(12) / 10] * 2)
+    assert any("there are no trials" in one for one in found.told)
+
+
+def test_trials_of_one_pendulum_have_one_period(tmp_path):
+    found = timed(written(tmp_path, "10T (s)", ["20.1", "19.9", "20.3"]))
+    period = found.period()
+    assert period.value == pytest.approx(2.01) and found.table["label"].tolist() == ["lines 2, 3, 4"]
+    u = np.sqrt((np.var([20.1, 19.9, 20.3], ddof=1) + 0.1**2 / 12) / 3) / 10
+    assert period.uncertainty == pytest.approx(u)
+
+
+@pytest.mark.parametrize(("apart", "lines", "refused"), [(0.2, 6, True), (0.02, 6, False), (0.2, 1, True), (0.02, 1, False)])  # fmt: skip
+def test_columns_are_trials_unless_each_is_longer_in_line_after_line(tmp_path, apart, lines, refused):
+    """By more than a twentieth, and by more than chance, as an analysis of variance has it; of one line chance is not known."""
+    rows = [f"{100 * length:.0f},{period:.3f},{period * (1 + apart) + 0.01 * (k % 2):.3f}" for k, (length, period) in enumerate(zip(LENGTHS, PERIODS, strict=True))]  # fmt: skip
+    path = written(tmp_path, "length (cm),T 1 (s),T 2 (s)", rows[:lines])
+    if refused:
+        with pytest.raises(InputError, match="differ by 1[89] % in line after line"):
+            timed(path)
+    else:
+        assert len(timed(path).table) == lines
+
+
+def test_columns_that_differ_by_chance_are_trials_however_far(tmp_path):
+    """A tenth apart in the mean, by one line that went wrong: a test of variance does not see that as rare."""
+    times = np.array([[2.0, 2.02, 2.01], [2.01, 2.0, 2.03], [2.0, 2.9, 2.02], [2.02, 2.0, 1.99]])
+    rows = [f"{20 + k},{','.join(f'{one:.2f}' for one in line)}" for k, line in enumerate(times)]
+    means = times.mean(axis=0)
+    left = times - times.mean(axis=1, keepdims=True) - means + times.mean()
+    ratio = (4 * np.sum((means - times.mean()) ** 2) / 2) / (np.sum(left**2) / 6)
+    assert np.ptp(means) / times.mean() > 0.05 and f.sf(ratio, 2, 6) > 0.01
+    assert len(timed(written(tmp_path, "mass (g),T 1 (s),T 2 (s),T 3 (s)", rows)).table) == 4
+
+
+@pytest.mark.parametrize(
+    ("head", "factor"), [("angle (deg)", 1.0), ("angle (rad)", np.pi / 180), ("angle", 1.0)]
+)
+def test_wide_swings_are_taken_down_to_small_ones_by_their_angle(tmp_path, head, factor):
+    """By the elliptic integral; numbers beyond half a turn are degrees."""
+    degrees = np.array([5.0, 40.0, 90.0, -60.0])
+    longer = 2 / np.pi * ellipk(np.sin(np.radians(degrees) / 2) ** 2)
+    rows = [f"{10 + k},{one * factor:.6f},{2 * more:.5f}" for k, (one, more) in enumerate(zip(degrees, longer, strict=True))]  # fmt: skip
+    found = timed(written(tmp_path, f"mass (g),{head},T (s)", rows))
+    assert found.table["period_s"].tolist() == pytest.approx([2.0] * 4, abs=1e-5)
+    assert any("small swings, by the angle of release" in one for one in found.told)
+    with pytest.raises(InputError, match="not every line holds an angle"):
+        timed(written(tmp_path, f"mass (g),{head},T (s)", [*rows, f"20,{200 * factor},2.0"]))
+
+
+@pytest.mark.parametrize(("unit", "factor"), [("cm", 0.01), ("mm", 0.001), ("in", 0.0254)])
+def test_lengths_take_the_unit_that_gives_g_with_their_uncertainties(tmp_path, unit, factor):
+    rows = [
+        f"{length / factor:.4f},0.5,{period:.3f}" for length, period in zip(LENGTHS, PERIODS, strict=True)
+    ]
+    found = timed(written(tmp_path, "length,error of length,period", rows))
+    assert any(
+        f"TAKEN AS {unit}, as in m they would give g = {9.81 / factor:.3g}" in one for one in found.told
+    )
+    values = [own["length"] for own in found.values.values()]
+    assert [one.value for one in values] == pytest.approx(LENGTHS, rel=1e-3)
+    assert [one.uncertainty for one in values] == pytest.approx([0.5 * factor] * 6)
