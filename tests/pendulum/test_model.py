@@ -5,8 +5,11 @@ import pytest
 import yaml
 
 from swingdown.errors import InputError
-from swingdown.pendulum.model import PAPER_MODELS, Model, symbol
+from swingdown.pendulum.catalogue import RATE
+from swingdown.pendulum.drive import drive
+from swingdown.pendulum.model import PAPER_MODELS, Model, as_model, symbol
 from swingdown.pendulum.model_file import read_model, write_model
+from swingdown.pendulum.slack import reading_slack
 
 VALUES = {"natural_frequency": 7.25, "viscous_ratio": 0.03, "load_friction": 0.012}
 
@@ -137,3 +140,49 @@ def test_what_each_recording_has_for_itself_is_kept(tmp_path):
     assert again.each == ("viscous_ratio",)
     other = Model("load_coulomb", {"natural_frequency": 7.0, "load_friction": 0.01}, own=("viscous_ratio",))
     assert read_model(write_model(other, tmp_path / "other.yaml")).each == ()
+
+
+def test_the_motion_is_the_pendulum_s_without_what_reads_it():
+    """Its values stay, those of sensor, clock and slack go, and it reads an angle."""
+    values = VALUES | {"sensor_gain": 0.1, "clock_drift": 0.01}
+    read = Model("viscous+load_coulomb+sensor_gain+clock_drift", values, record=20.0)
+    motion = read.motion
+    assert motion.label == "viscous+load_coulomb" and dict(motion.values) == VALUES
+    assert motion.record == 20.0 and read.of(RATE).motion == motion and motion.reading == "angle"
+    assert read.drifts and not motion.drifts
+
+
+def test_a_measured_drive_acts_by_an_effect_of_its_own_and_a_free_swing_by_none():
+    pushed = drive(np.arange(5.0), np.arange(5.0), "torque")
+    model = Model("viscous")
+    assert model.under(None) is model and not model.takes_input
+    under = model.under(pushed)
+    assert under.names == ("viscous", "torque_input_gain") and under.drive is pushed and under.takes_input
+    assert under.driven_by(pushed) is under and under.driven_by(None).drive is None
+
+
+def test_other_effects_come_with_the_values_that_are_given_and_no_others():
+    model = Model(
+        "viscous", {"natural_frequency": 7.0, "viscous_ratio": 0.1}, {"viscous_ratio": 0.01}, "linear"
+    )
+    other = model.with_effects(("load_coulomb",), {"natural_frequency": 6.0, "load_friction": 0.02})
+    assert dict(other.values) == {"natural_frequency": 6.0, "load_friction": 0.02}
+    assert other.restoring == "linear" and not other.standard_errors
+    assert not model.with_effects(("load_coulomb",)).values
+
+
+def test_a_label_is_a_model_and_a_model_is_itself():
+    model = Model("viscous", {"natural_frequency": 7.0, "viscous_ratio": 0.1})
+    assert as_model(model) is model
+    assert as_model("viscous+load_coulomb") == as_model(["load_coulomb", "viscous"]) == Model("viscous+load_coulomb")  # fmt: skip
+
+
+def test_what_a_measurement_leaves_open_are_values_that_begin_at_nothing():
+    model = Model("viscous", {"natural_frequency": 7.0, "viscous_ratio": 0.1}, {"viscous_ratio": 0.01})
+    open_ = model.with_slack(reading_slack({"sensor_gain": {"length": 0.01}}))
+    assert open_.values["sensor_gain"] == 0.0 and open_.values["viscous_ratio"] == 0.1
+    assert open_.standard_errors == {"viscous_ratio": 0.01}
+    known = open_.with_values({**open_.values, "sensor_gain": 0.02})
+    back = known.with_slack(reading_slack({"sensor_zero": {"rest": 0.1}}))
+    assert "sensor_gain" not in back.values and back.values["sensor_zero"] == 0.0
+    assert not Model("viscous").with_slack(reading_slack({"sensor_gain": {"length": 0.01}})).values

@@ -28,3 +28,18 @@ def test_what_joins_the_normal_matrix_is_the_inverse_covariance_in_units_of_the_
     covariance = [[1e-5, 6e-5], [6e-5, 2.9e-3]]
     np.testing.assert_allclose(slack.covariance, covariance)
     np.testing.assert_allclose(slack.precision, 1e-4 * np.linalg.inv(covariance), rtol=1e-6)
+
+
+def test_what_is_known_sits_where_its_value_is_and_counts_only_where_all_of_it_is_free():
+    slack = reading_slack({"sensor_gain": {"line": 3e-3}, "sensor_zero": {"rest": 0.05}}).weighed(0.01)
+    found = slack.precision_among(["sensor_zero", "natural_frequency", "sensor_gain"])
+    right = np.diag([(0.01 / 0.05) ** 2, 0, (0.01 / 3e-3) ** 2])
+    np.testing.assert_allclose(found, right, rtol=1e-6)
+    assert not slack.precision_among(["natural_frequency", "sensor_gain"]).any()
+    assert not reading_slack({}).precision_among(["natural_frequency"]).any()
+
+
+def test_nothing_is_known_of_a_clock_that_nobody_told_of():
+    slack = reading_slack({"sensor_gain": {"line": 3e-3}})
+    assert slack.clock == 0.0 and reading_slack({}, clock=1e-4).clock == 1e-4
+    assert not slack.without(["sensor_gain"]).names and slack.without(["sensor_zero"]).names == ("sensor_gain",)
