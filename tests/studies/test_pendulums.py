@@ -12,7 +12,16 @@ from swingdown.pendulum.model import Model
 from swingdown.studies.described import described_by, rivals, weights
 from swingdown.studies.experiment import fit_campaign, fit_recording
 from swingdown.studies.norms import combine_recordings
-from swingdown.studies.pendulums import NOT_DYING, by_verdict, cells_of, pendulums, quantities_of
+from swingdown.studies.pendulums import (
+    NOT_DYING,
+    _foretold,
+    _with_period,
+    by_verdict,
+    cells_of,
+    pendulums,
+    quantities_of,
+    residual_of,
+)
 from swingdown.studies.quantities import Quantity, quantities
 from swingdown.studies.words import short
 
@@ -271,3 +280,57 @@ def test_what_the_search_sees_going_on_has_no_loss_in_the_first_answer():
     told = by_verdict(row, verdict | {"dies_away": False})
     assert told["model"] == NOT_DYING and told["period_s_text"] == row["period_s_text"]
     assert not [column for column in told if column.startswith(("quality", "or_model"))]
+
+
+def test_where_the_passages_tell_the_period_the_frequency_of_small_swings_follows():
+    """Its share of doubt is that of the period, and twice that of the amplitude in what a wide swing takes longer."""
+    derived = {"period": Quantity(1.0, 0.1, "s"), "natural_frequency": Quantity(6.0, 0.1, "rad/s"), "quality": Quantity(50.0, 1.0, "1")}  # fmt: skip
+    told = _with_period(derived, Quantity(1.05, 0.002, "s"), 1.05, 0.2)
+    assert told["period"] == Quantity(1.05, 0.002, "s") and told["quality"] == derived["quality"]
+    frequency = told["natural_frequency"]
+    assert frequency.value == pytest.approx(2 * np.pi)
+    # by differences: the period longer, the amplitude a fifth wider
+    off = 1 - 1.05 / 1.052, (1.05 - 1) * (1.2**2 - 0.8**2) / 2 / 1.05
+    assert frequency.uncertainty == pytest.approx(2 * np.pi * np.hypot(*off), rel=0.01)
+    assert list(_with_period({}, Quantity(1.05, 0.002, "s"), 1.05, 0.2)) == ["period"]
+
+
+def test_a_quality_foretells_how_much_narrower_the_last_third_swings():
+    known = cells_of("quality", Quantity(50.0, 1.0, "1")) | cells_of("period", Quantity(1.2, 0.1, "s"))
+    fallen = np.exp(
+        -np.pi * np.array([0.0, 20.0]) / 1.2 / 50.0
+    )  # from the first third's middle to the last's
+    assert _foretold(known | {"record_s": 30.0}) == pytest.approx(fallen[1] / fallen[0])
+    assert _foretold({"record_s": 30.0}) == 1.0
+    assert _foretold(known | {"record_s": 30.0} | cells_of("quality", Quantity(-5.0, 1.0, "1"))) == 1.0
+
+
+def test_what_a_model_leaves_is_told_in_the_unit_of_its_reading():
+    assert residual_of({"residual_rad": 0.01}) == (0.01, "rad")
+    assert residual_of({"residual_rad": 0.01, "own_unit": "mm"}) == (0.01, "mm")
+    assert residual_of({"residual_rad": 0.01, "own_unit": np.nan}) == (0.01, "rad")
+    assert residual_of({"residual_rad": np.nan, "residual_rad_per_s": 0.2}) == (0.2, "rad/s")
+
+
+@pytest.mark.parametrize(("zero", "told"), [(0.04, True), (-0.04, True), (0.02, False)])
+def test_where_a_pendulum_hangs_is_told_where_that_is_surely_not_nothing(study, zero, told):
+    norms = study[0].assign(zero=zero + 0 * study[0]["norm"], zero_u=0.01 + 0 * study[0]["norm"])
+    row = pendulums(norms).set_index("recording").loc["a1"]
+    known = quantities_of(row.to_dict())
+    assert ("sensor_zero" in known) == told
+    if told:
+        assert known["sensor_zero"] == Quantity(zero, 0.01, "rad")
+    assert "sensor_zero" not in quantities_of(pendulums(study[0]).set_index("recording").loc["a1"].to_dict())
+
+
+def test_of_several_recordings_the_joint_row_has_the_model_that_the_search_ended_with(study):
+    """Of a pendulum of one recording its own has it; a recording that was left out counts for none."""
+    norms, joint = study
+    quantities_found = {"period": {"value": 0.88, "standard_uncertainty": 0.01, "unit": "s"}}
+    concluded = {"model": "viscous+eddy_brake", "amplitude_rad": 0.25, "residual": 0.002, "quantities": quantities_found}  # fmt: skip
+    verdicts = [{"campaign": name, "status": "identified", "conclusion": concluded, "effects": [{"name": "eddy_brake", "tied_with": ["magnet"]}]} for name in "za"]  # fmt: skip
+    table = pendulums(norms, [joint], verdicts).set_index("recording")
+    assert list(table["model_of"]) == ["damping", "damping", "search", "search"]
+    assert table.loc["(joint)", "period_s"] == table.loc["a1", "period_s"] == 0.88
+    assert table.loc["(joint)", "amplitude_rad"] == 0.25 and table.loc["z1", "amplitude_rad"] != 0.25
+    assert set(table["missing"]) == {"eddy_brake or magnet"} and set(table["verdict"]) == {"identified"}
