@@ -49,7 +49,9 @@ def test_levels_in_no_steps_and_steps_that_are_left_out():
     assert quantisation_step(levels[rng.integers(0, 12, 500)]) == pytest.approx(0.25)
     assert quantisation_step(np.tile([0.0, 1.0], 50)) == 0  # two levels are no steps
     assert quantisation_step(np.tile([0.0, 1.0, 2.0], 50)) == 1
-    assert quantisation_step(0.5 * np.arange(100)) == 0  # where each level is there once, it may as well be a rate
+    assert (
+        quantisation_step(0.5 * np.arange(100)) == 0
+    )  # where each level is there once, it may as well be a rate
     fine = np.round(np.sin(np.arange(20_000) / 30) / 4e-4) * 4e-4  # of thousands of steps
     assert quantisation_step(fine) == pytest.approx(4e-4, rel=1e-6)
     # printed or computed twice, a level is one level

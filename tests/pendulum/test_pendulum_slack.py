@@ -42,4 +42,6 @@ def test_what_is_known_sits_where_its_value_is_and_counts_only_where_all_of_it_i
 def test_nothing_is_known_of_a_clock_that_nobody_told_of():
     slack = reading_slack({"sensor_gain": {"line": 3e-3}})
     assert slack.clock == 0.0 and reading_slack({}, clock=1e-4).clock == 1e-4
-    assert not slack.without(["sensor_gain"]).names and slack.without(["sensor_zero"]).names == ("sensor_gain",)
+    assert not slack.without(["sensor_gain"]).names and slack.without(["sensor_zero"]).names == (
+        "sensor_gain",
+    )
