@@ -198,3 +198,12 @@ def test_fits_know_how_long_each_recording_lasts(fits, joint):
 def test_a_swing_is_seen_to_narrow(fits):
     """Of a swing that dies: its turning points shrink, which a measured drive's need not."""
     assert all(0 < float(one["narrowing"]) < 1 for one in fits)
+
+
+def test_fit_and_residual_are_the_recording(angles, fits):
+    for angle, fit in zip(angles, fits, strict=True):
+        for label in (TRUE_MODEL, "viscous"):
+            one = fit.sel(fitted=label)
+            assert (one["fit"] + one["residual"]).values == pytest.approx(angle["angle"].values)
+            left = np.sqrt(np.mean(one["residual"].values ** 2))
+            assert float(one["norm"]) == pytest.approx(np.degrees(left), rel=1e-6)
