@@ -14,6 +14,7 @@ from .noise_level import scatter
 UNEVEN = 0.2  # of the usual interval: a step that differs by less is an even one
 DIGITS = range(7)  # decimal places of a second to which a clock may round
 FIGURES = range(2, 7)  # significant figures to which a program may write its times
+MISSING = 1.5  # of the usual interval: a longer step may be one over samples that are missing
 RISES = 0.95  # of the changes of a clock: so often it goes on, though it stumbles
 RESTART = 10  # samples that a clock must repeat before a step back is its restart, and not a row out of place
 ROUNDED = 0.55  # of a digit: how far a rounded stamp lies from the line through all of them, which is not quite the clock's
@@ -273,8 +274,12 @@ def _countings(times: Floats, usual: float) -> list[NDArray[np.integer]]:
     """Places of the samples on an even clock: with what is missing left free, where the stamps tell it, and one after the other."""
     alike = np.arange(times.size)
     mean = (times[-1] - times[0]) / (times.size - 1)
+    steps = np.diff(times)
+    beside = (
+        float(steps[steps < MISSING * usual].mean()) if usual else 0.0
+    )  # of those over which none is missing
     found = []
-    for interval in {usual, mean} - {0.0}:
+    for interval in {usual, beside, mean} - {0.0}:
         slots = np.round((times - times[0]) / interval).astype(np.int64)
         for _ in range(2):  # the interval, as the whole recording tells it
             if (np.diff(slots) < 1).any():
@@ -285,7 +290,7 @@ def _countings(times: Floats, usual: float) -> list[NDArray[np.integer]]:
         else:
             if (np.diff(slots) > 0).all():
                 found.append(slots)
-    return [*found[:1], *([alike] if not found or (found[0] - found[0][0] != alike).any() else [])]
+    return [*found, *([alike] if not any((one - one[0] == alike).all() for one in found) else [])]
 
 
 def _line(times: Floats, slots: NDArray[np.integer]) -> Floats:
