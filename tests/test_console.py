@@ -58,6 +58,37 @@ def test_one_refusal_of_two_jobs_is_printed_once(tmp_path, capsys, monkeypatch):
     assert (shown.count("a.nc"), shown.count("b.nc")) == (1, 1)
 
 
+def test_a_refusal_is_told_where_no_other_job_can_be_asked(tmp_path, capsys, monkeypatch):
+    """As where the folder that the jobs share is gone: rather twice than never."""
+    monkeypatch.setenv("SWINGDOWN_PREFORK", str(tmp_path / "gone" / "prefork"))
+    for _ in range(2):
+        with pytest.raises(SystemExit), console.job():
+            raise InputError("a.nc", "it cannot be read", mend="delete it")
+        assert "a.nc" in capsys.readouterr().err
+
+
+def test_a_refusal_has_a_line_for_each_thing_it_tells():
+    """Labels one below the other, texts too; what is not told has no line."""
+    lines = console.block(InputError("a.nc", "it is damaged", mend="delete it")).splitlines()
+    assert lines[1] == lines[-1] == console.RULE and lines[0] == ""
+    told = [line.split(":", 1) for line in lines[3:-1]]
+    assert [text.strip() for _, text in told] == ["a.nc", "it is damaged", "delete it"]
+    assert len({len(text) - len(text.lstrip()) + len(label) for label, text in told}) == 1
+
+
+@pytest.mark.filterwarnings("default:^.$")
+def test_a_warning_is_told_alone_and_those_of_two_kinds_each(tmp_path):
+    with console.job(tmp_path / "log"):
+        for category, text in (
+            (UserWarning, "a"),
+            (UserWarning, "a"),
+            (RuntimeWarning, "b"),
+            (RuntimeWarning, "c"),
+        ):
+            warnings.warn(text, category, stacklevel=1)
+    assert (tmp_path / "log").read_text().splitlines() == ["Beware: a", "Beware: b (1 more such)"]
+
+
 def test_a_fault_of_the_program_keeps_its_traceback(tmp_path):
     with pytest.raises(ZeroDivisionError), console.job(tmp_path / "job.log"):
         1 / 0  # noqa: B018
@@ -86,6 +117,7 @@ def test_a_disk_that_takes_no_results_is_told_without_a_traceback(
             write_csv(pd.DataFrame({"x": [1.0]}), tmp_path / "a.csv")
     told = capsys.readouterr().err
     assert words in told and mend in told and "a.csv" in told and "Traceback" not in told
+    assert "Errno" not in told
     assert [path.name for path in tmp_path.iterdir()] == ["a.csv"]
     assert (tmp_path / "a.csv").read_text() == "as it was"
 

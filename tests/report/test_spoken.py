@@ -6,7 +6,7 @@ from markupsafe import Markup
 
 from swingdown.language import language
 from swingdown.plots import style
-from swingdown.report.page import Column, Section, Table, Text, Value
+from swingdown.report.page import Column, Figure, Findings, Listing, Section, Table, Text, Value
 from swingdown.report.spoken import in_language, words
 
 GERMAN = language("de")
@@ -34,6 +34,28 @@ def test_texts_and_numbers_are_said_in_the_language_and_names_stay():
         ["b", "1,20(3)", "Unbekannt", "0.1"],
     ]
     assert found.rows[1][1].value == 1.2  # by which it sorts
+
+
+def test_findings_and_figures_are_said_and_what_a_file_holds_stays():
+    items = [
+        Findings(["Nothing else is needed.", Markup("<b>Named.</b>")]),
+        Figure("Quantities, anna", "a.svg", "Named."),
+        Listing("Nothing else is needed."),
+    ]
+    findings, figure, listing = in_language([Section("The answer", items)], GERMAN)[0].items
+    assert findings.lines == ["Mehr ist nicht nötig.", "<b>Benannt.</b>"]
+    assert (figure.label, figure.text, figure.path) == ("Größen, anna", "Benannt.", "a.svg")
+    assert listing == items[2]
+
+
+def test_cells_are_said_by_what_their_column_holds():
+    """A count stays a count; of markup among numbers the text is said, and its decimal sign is that of the language."""
+    columns = [Column("cells", style="n"), Column("period", "s", "n"), Column("verdict"), Column("campaign")]
+    rows = [[3, "0.5", Markup("<b>Named</b>"), "Named"], [4, Markup("<i>Named</i>"), "Named", "0.5"]]
+    table = Table("Quantities, anna", "Named", columns, rows, notes=("Nothing else is needed.",))
+    (found,) = in_language([Section("The answer", [table])], GERMAN)[0].items
+    assert found.rows == [[3, "0,5", "<b>Benannt</b>", "Named"], [4, "<i>Benannt</i>", "Benannt", "0.5"]]
+    assert found.caption == "Benannt" and found.notes == ("Mehr ist nicht nötig.",)
 
 
 def test_in_markup_the_text_between_tags_is_said_and_code_stays():
