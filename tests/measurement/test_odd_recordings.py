@@ -182,66 +182,6 @@ def test_samples_lost_with_the_time_renumbered():
     assert len(remarks) == 1 and remarks[0].startswith("the signal jumps") and "at 10.1 s" in remarks[0]
 
 
-@pytest.mark.parametrize("every", [7, 11])
-def test_a_bob_that_wobbles_as_it_swings_has_lost_no_samples(every):
-    """Faster where the swing is faster, as a string makes a bob turn."""
-    angle = swing()
-    wobble = 1.5 * np.gradient(angle) * np.sin(2 * np.pi * np.arange(angle.size) / every)
-    assert not any("numbered on" in one for one in looked_at(angle + wobble))
-
-
-@pytest.mark.parametrize(
-    ("of", "lost", "percent"), [(3, 1, "33.3"), (10, 1, "10"), (10, 2, "20"), (40, 1, "2.5")]
-)
-def test_samples_lost_at_even_distances_with_the_time_renumbered(of, lost, percent):
-    long = np.arange(33 * RATE) / RATE
-    signal = swing(long)[(np.arange(long.size) + 1) % of >= lost]
-    told = looked_at(signal, np.arange(signal.size) / RATE)[0]
-    assert told.startswith(f"{lost} of every {of} samples seem")
-    assert f"lost, and the time numbered on: period and decay time are too short by {percent} %" in told
-
-
-def test_samples_lost_at_even_distances_beside_a_long_hole():
-    long = np.arange(33 * RATE) / RATE
-    signal = swing(long)[np.arange(long.size) % 10 > 0]
-    times = np.arange(signal.size) / RATE
-    here = (times < 10) | (times > 10.3)
-    assert any(
-        one.startswith("1 of every 10 samples seems to be lost")
-        for one in looked_at(signal[here], times[here])
-    )
-
-
-def test_samples_written_twice_at_even_distances():
-    count = np.arange(30 * RATE)
-    (told,) = looked_at(swing()[count - count // 5])
-    assert told.startswith("1 of every 5 samples seems to be there twice")
-    assert "period and decay time are too long by 25 %" in told
-
-
-@pytest.mark.parametrize("seed", range(6))
-def test_of_even_distances_nothing_is_told_where_nothing_is_lost_at_them(seed):
-    """Noise that lasts or is strong, random holes, samples lost with their times kept, coarse steps, and a reading that is held."""
-    draws = np.random.default_rng(seed)
-    clean = swing(noise=0, decay=0.01 + 0.01 * seed)
-    lasting = np.zeros(TIME.size)
-    for k in range(1, TIME.size):
-        lasting[k] = 0.9 * lasting[k - 1] + 0.01 * draws.standard_normal()
-    slow = np.arange(6000) / 300
-    here = draws.random(TIME.size) > 0.1
-    tenth = np.arange(TIME.size) % 10 != 3
-    held = np.repeat(swing(seed=seed)[::3], 3)
-    seen = [
-        looked_at(clean + lasting),
-        looked_at(swing(slow, noise=0.05, seed=seed), slow),
-        looked_at(swing(seed=seed)[here], TIME[here]),
-        looked_at(swing(seed=seed)[tenth], TIME[tenth]),
-        looked_at(np.round(swing(slow, noise=0, decay=0.01) / 0.1) * 0.1, slow),
-        looked_at(held, TIME[: held.size]),
-    ]
-    assert not [remark for remarks in seen for remark in remarks if "of every" in remark]
-
-
 def test_a_sign_that_flips():
     signal = swing()
     signal[1310:] *= -1

@@ -51,6 +51,7 @@ def test_readings_of_a_length_are_made_small_and_the_scale_leads_back(tmp_path):
     assert np.abs(found["angle"]).max() == pytest.approx(0.01) and found.attrs["points_unit"] == "cm"
     np.testing.assert_allclose(found["angle"] * found.attrs["points_scale"], DEGREES)
     assert found.attrs["angle_step"] * found.attrs["points_scale"] == pytest.approx(0.5)
+    assert "an amplitude in cm is no angle" in found.attrs["remarks"]
 
 
 def test_uneven_times_in_steps_have_the_clock_s_step(tmp_path):

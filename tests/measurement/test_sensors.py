@@ -7,7 +7,6 @@ from swingdown.errors import InputError
 from swingdown.measurement.files.runs import SeveralRuns
 from swingdown.measurement.recording import ingest
 from swingdown.measurement.sheet import COLUMNS
-from swingdown.measurement.swings.continuity import check_one_series
 
 TIMES = 0.025 * np.arange(1600)
 SWING = 500 + 140 * np.exp(-0.02 * TIMES) * np.cos(2 * np.pi * TIMES / 1.4)
@@ -100,12 +99,3 @@ def test_of_two_in_turns_the_one_that_swings_is_taken(tmp_path):
 def test_series_in_turns_that_nothing_tells_apart_are_refused(tmp_path):
     with pytest.raises(InputError, match="2 series take turns in it, row by row"):
         in_turns(tmp_path, ("", ""), head="")
-
-
-@pytest.mark.parametrize("signal", [
-    140 * np.cos(2 * np.pi * np.arange(TIMES.size) / 260) + 10.0 * (-1) ** np.arange(TIMES.size),  # a converter's two halves differ
-    500 + 140 * np.exp(-0.002 * TIMES) * np.cos(0.97 * np.pi * np.arange(TIMES.size)),  # read about twice a swing
-    500 + 140 * np.exp(-0.002 * TIMES) * np.cos(0.66 * np.pi * np.arange(TIMES.size)),  # three times
-])  # fmt: skip
-def test_one_series_is_one(signal):
-    check_one_series(TIMES, signal, "a.csv")
