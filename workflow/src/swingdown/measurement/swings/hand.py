@@ -97,12 +97,12 @@ def _excess(away: Floats, scale: float, half: int, samples: float, inside: slice
     weights = np.linalg.pinv(np.vander(x, 5 if half > 3 else 4, increasing=True))
     angle, velocity, acceleration = (np.correlate(away, weights[k], "valid") for k in range(3))
     size = float(np.abs(angle[inside]).max())
-    x, v, a = angle / size, velocity / (2 * np.pi * size), 2 * acceleration / (4 * np.pi**2 * size)
+    x, v = angle / size, velocity / (2 * np.pi * size)
     pull = [x, np.sin(angle * scale) / scale / size] if scale else [x, x**3, x**5]
     terms = np.column_stack([*pull, v, v * np.abs(v), np.tanh(20 * v), np.ones_like(x)])
-    known = np.linalg.lstsq(terms[inside], a[inside], rcond=None)[0]
+    known = np.linalg.lstsq(terms[inside], acceleration[inside], rcond=None)[0]
     weight = terms[inside][:, : len(pull)] @ known[: len(pull)]
-    return (a - terms @ known) / np.abs(weight).max()
+    return (acceleration - terms @ known) / np.abs(weight).max()
 
 
 def _half_height(excess: Floats, start: int, stop: int) -> tuple[int, int]:
