@@ -99,8 +99,6 @@ def swings(
     if kind in (PASSAGES, PERIODS):
         return [_passages(times, angles, names, kind)]
     found = list(_each(times, angles))
-    if not found:
-        raise InputError("argument times", "no swing is given", "at least one")
     names = [names] if isinstance(names, str) else names
     names = list(names or [f"swing {k + 1}" if len(found) > 1 else "swing" for k in range(len(found))])
     if len(names) != len(found) or len(set(names)) < len(names):
