@@ -69,3 +69,76 @@ def test_a_short_flat_top_is_no_rail():
     swing = 100 * np.cos(2 * np.pi * np.arange(400) / 40)
     for level, told in ((95, True), (97, False)):
         assert bool(saturated_runs(np.minimum(swing, level))) is told
+
+
+TIME = np.arange(400) / 100
+
+
+def fine(signal, time=TIME):
+    """It is not refused on either side."""
+    check_signal(time, signal, "a.csv")
+    check_signal(time, -signal, "a.csv")
+
+
+def test_a_bob_that_is_held_for_a_second_and_let_go_is_at_no_rail_whatever_its_steps():
+    signal = 0.4 * np.cos(7 * np.maximum(TIME - 1, 0))
+    fine(signal)
+    for step in (1e-4, 1e-3, 3e-3, 1e-2):
+        fine(step * np.round(signal / step))
+
+
+@pytest.mark.parametrize("seconds", [0.05, 0.2, 0.6])
+@pytest.mark.parametrize("step", [1e-4, 1e-3])
+def test_a_bob_that_is_caught_held_and_let_go_again_is_at_no_rail(seconds, step):
+    """It comes to the highest place in the whole of a hand's own pace, and leaves it from rest."""
+    lift = 0.4 * np.sin(np.pi / 2 * np.arange(80) / 80)
+    hold = np.full(round(100 * seconds), 0.4)
+    signal = np.concatenate([0.3 * np.cos(7 * TIME), lift, hold, 0.4 * np.cos(7 * TIME)])
+    fine(step * np.round(signal / step), np.arange(signal.size) / 100)
+
+
+@pytest.mark.parametrize("rate", [100, 1000])
+@pytest.mark.parametrize("steps", [20, 200, 4000, 40000])
+def test_coarse_encoders_are_at_no_rail(rate, steps):
+    time = np.arange(4 * rate) / rate
+    angle = 0.4 * np.cos(7 * time) * np.exp(-0.01 * time)
+    fine(np.round(angle * steps / (2 * np.pi)) * 2 * np.pi / steps, time)
+
+
+def test_a_top_just_short_of_the_next_step_is_at_no_rail():
+    """The flattest top a rounded signal can have, at every turning point: nothing is lost to damping."""
+    time = np.arange(4000) / 1000
+    fine(np.round(100.49 * np.cos(7 * time)) * 1e-3, time)
+
+
+def test_noisy_steps_at_a_release_from_rest_are_at_no_rail():
+    """Half a top, at the first sample, in steps about as large as the noise: a few samples are alike by chance."""
+    time, step, draws = np.arange(2001) / 100, 0.00416, np.random.default_rng(6)
+    for _ in range(3000):
+        velocity = draws.normal(0, 0.07)
+        clean = (
+            -draws.uniform(0.3, 0.6) * np.cos(6.5 * time) + velocity / 6.5 * np.sin(6.5 * time)
+        ) * np.exp(-0.06 * time)
+        signal = step * np.round((clean + 0.4 * step * draws.standard_normal(time.size)) / step)
+        check_signal(time, signal, "swing.csv")
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.002])
+@pytest.mark.parametrize("rail", [0.39, 0.3, 0.1])
+@pytest.mark.parametrize("sides", ["both", "upper", "lower"])
+def test_a_signal_is_cut_off_at_either_rail_or_both(noise, rail, sides):
+    time = np.arange(4000) / 1000
+    signal = 0.4 * np.cos(7 * time) + noise * np.random.default_rng(1).standard_normal(4000)
+    signal = np.clip(signal, -rail if sides != "upper" else None, rail if sides != "lower" else None)
+    with pytest.raises(InputError, match="saturated"):
+        check_signal(time, np.round(signal, 4), "a.csv")
+
+
+@pytest.mark.parametrize("rate", [100, 1000])
+@pytest.mark.parametrize("rail", [0.22, 0.3])
+def test_one_swing_that_reaches_the_rail_is_told_by_its_corners(rate, rail):
+    """The first top alone is cut; the second is lower than the rail."""
+    time = np.arange(4 * rate) / rate
+    signal = np.minimum(0.4 * np.sin(7 * time) * np.exp(-0.8 * time), rail)
+    ((first, count),) = saturated_runs(np.round(signal, 4))
+    assert first / rate < 0.2 and signal[first : first + count].min() > rail - 1e-4

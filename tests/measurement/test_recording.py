@@ -10,7 +10,6 @@ from swingdown import dataset
 from swingdown.errors import InputError
 from swingdown.measurement.recording import ingest, read_recording
 from swingdown.measurement.sheet import read_sheet
-from swingdown.measurement.swings.quality import check_signal
 
 TIME = np.arange(400) / 100
 
@@ -120,46 +119,10 @@ def test_a_swing_may_end_at_rest(make):
     assert made.sizes["time"] == 400
 
 
-def test_a_held_bob_let_go_is_no_saturation(make):
-    signal = 0.4 * np.cos(7 * np.maximum(TIME - 1, 0))
-    assert make(signal).sizes["time"] == 400
-    assert make(np.round(signal, 3)).sizes["time"] == 400
-
-
-@pytest.mark.parametrize("rate", [100, 1000])
-@pytest.mark.parametrize("steps", [20, 200, 4000, 40000])
-def test_coarse_encoders_are_no_saturation(make, rate, steps):
-    time = np.arange(4 * rate) / rate
-    signal = np.round(0.4 * np.cos(7 * time) * np.exp(-0.01 * time) * steps / (2 * np.pi)) * 2 * np.pi / steps
-    assert make(signal, time).sizes["time"] == 4 * rate
-
-
-def test_a_top_just_short_of_the_next_step_is_no_saturation(make):
-    """The flattest top a rounded signal can have, at every turning point: nothing is lost to damping."""
+def test_a_signal_cut_off_at_a_rail(refused):
     time = np.arange(4000) / 1000
-    assert make(np.round(100.49 * np.cos(7 * time)) * 1e-3, time).sizes["time"] == 4000
-
-
-def test_noisy_steps_at_a_release_from_rest_are_no_saturation():
-    """Half a top, at the first sample, in steps about as large as the noise: a few samples are alike by chance."""
-    time, step, draws = np.arange(2001) / 100, 0.00416, np.random.default_rng(6)
-    for _ in range(3000):
-        velocity = draws.normal(0, 0.07)
-        clean = (
-            -draws.uniform(0.3, 0.6) * np.cos(6.5 * time) + velocity / 6.5 * np.sin(6.5 * time)
-        ) * np.exp(-0.06 * time)
-        signal = step * np.round((clean + 0.4 * step * draws.standard_normal(time.size)) / step)
-        check_signal(time, signal, "swing.csv")
-
-
-@pytest.mark.parametrize("noise", [0.0, 0.002])
-@pytest.mark.parametrize("rail", [0.39, 0.3, 0.1])
-@pytest.mark.parametrize("sides", ["both", "upper", "lower"])
-def test_a_signal_cut_off_at_a_rail(refused, noise, rail, sides):
-    time = np.arange(4000) / 1000
-    signal = 0.4 * np.cos(7 * time) + noise * np.random.default_rng(1).standard_normal(4000)
-    signal = np.clip(signal, -rail if sides != "upper" else None, rail if sides != "lower" else None)
-    refused("swing.csv", "theta_rad", "saturated", signal=np.round(signal, 4), time=time)
+    signal = np.round(np.clip(0.4 * np.cos(7 * time), -0.3, 0.3), 4)
+    refused("swing.csv", "theta_rad", "saturated", signal=signal, time=time)
 
 
 def test_a_constant_signal(refused):
