@@ -1,6 +1,8 @@
 """Positions of a bob, as a video or a ranger gives them, to the angle: about a fitted pivot, or by a length."""
 
 from collections.abc import Sequence
+from contextlib import suppress
+from operator import itemgetter
 from typing import NamedTuple
 
 import numpy as np
@@ -8,7 +10,7 @@ from scipy.optimize import least_squares
 
 from ..arrays import Bools, Floats
 from ..errors import InputError
-from ..pendulum.half_swings import half_swings
+from ..pendulum.half_swings import half_swings, passages
 from .plausibility import ENOUGH, in_a_row
 from .stated import UNITS, read
 
@@ -17,6 +19,7 @@ MOST = 2.0  # times as far along an axis as beside it (standard deviations): the
 LINE = 0.1  # beside over along, of what lies on a line
 TIGHT = 0.02  # residual over radius of what is tracked in a video
 FAR = 6.0  # times the scatter of the others: a point that is none of the bob
+NEAR = 2.0  # times the usual distance from the middle: of a swing that does not die none is further than 1.4 times
 _PASSES = 10
 SMALL = 0.1  # rad; below, the sine of an angle is the angle to a part in 600
 GRAVITY = 9.81  # m/s^2; it varies by half a per cent over the Earth, and a length by it is an estimate
@@ -54,16 +57,13 @@ def fit_circle(x: Floats, y: Floats, place: str = "positions") -> Circle:
     InputError
         For points on a straight line, on too short an arc, or on no circle.
     """
-    kept = np.ones(x.size, dtype=bool)
-    for _ in range(_PASSES):
-        circle = _circle(x[kept], y[kept], place)
-        away = np.abs(np.hypot(x - circle.x, y - circle.y) - circle.radius)
-        # at first by the usual distance: those of lost points would widen their own limit
-        usual = max(1.4826 * float(np.median(away)), 1e-9 * circle.radius)
-        again = away <= FAR * usual
-        if (again == kept).all():
-            break
-        kept = again
+    usual, circle, kept = _settled(x, y, np.ones(x.size, dtype=bool), place)
+    size = np.hypot(x - np.median(x), y - np.median(y))
+    if not (
+        near := size <= NEAR * float(np.median(size))
+    ).all():  # a few far off can draw a circle to themselves
+        with suppress(InputError):
+            usual, circle, kept = min((usual, circle, kept), _settled(x, y, near, place), key=itemgetter(0))
     arc = float(np.ptp(np.unwrap(np.arctan2(y[kept] - circle.y, x[kept] - circle.x))))
     if not circle.residual < LOOSEST * circle.radius:
         raise InputError(
@@ -81,6 +81,20 @@ def fit_circle(x: Floats, y: Floats, place: str = "positions") -> Circle:
             "length of the pendulum ⟨in length⟩",
         )
     return circle
+
+
+def _settled(x: Floats, y: Floats, kept: Bools, place: str) -> tuple[float, Circle, Bools]:
+    """The usual distance of all points from the circle through those that are ``kept`` at first, that circle, and which ones it then keeps."""
+    for _ in range(_PASSES):
+        circle = _circle(x[kept], y[kept], place)
+        away = np.abs(np.hypot(x - circle.x, y - circle.y) - circle.radius)
+        # by the usual distance: those of lost points would widen their own limit
+        usual = max(1.4826 * float(np.median(away)), 1e-9 * circle.radius)
+        again = away <= FAR * usual
+        if (again == kept).all():
+            break
+        kept = again
+    return usual, circle, kept
 
 
 def _scatter(positions: Sequence[Floats]) -> tuple[Floats, Bools, Floats, Floats]:
@@ -255,7 +269,9 @@ def without_length(times: Floats, x: Floats, in_metres: float, place: str) -> tu
 
 def on_a_string(times: Floats, x: Floats) -> float:
     """The length (m) that a bob on a string has whose swings take as long as those of ``x``."""
-    return GRAVITY * (half_swings(x).period(times) / (2 * np.pi)) ** 2
+    passed = passages(times, x, _middle(x))  # told between samples, of which a film has few
+    period = float(np.median(passed[2:] - passed[:-2])) if len(passed) > 2 else half_swings(x).period(times)
+    return GRAVITY * (period / (2 * np.pi)) ** 2
 
 
 def _middle(x: Floats) -> float:
