@@ -69,6 +69,11 @@ def test_too_few_half_swings_have_no_thirds():
         (swing(0.002), True, False),  # to 96 %, and surely
         (swing(0.0005), False, True),  # to 99 %
         (swing(-0.02), False, False),
+        (
+            np.where(TIMES % 15 < 2.5, 1.4, 1) * swing(0.0),
+            False,
+            False,
+        ),  # as wide on the whole, and not each time
         (swing(0.0, noise=0.01), False, True),
         (swing(0.03) + 0.2 * swing(0.0, period=2 * PERIOD), False, False),  # it takes longer on one side
         (np.random.default_rng(1).standard_normal(3000), False, False),
@@ -123,7 +128,7 @@ def test_a_height_is_refused_and_an_angle_is_not():
 
 
 @pytest.mark.parametrize(
-    ("decay", "told"), [(0.03, ""), (0.0, "do not shrink (the last third to 100.0 %"), (0.0005, ""), (-0.005, "do not shrink (the last third to 110")]
+    ("decay", "told"), [(0.03, ""), (0.0, "do not shrink (the last third to 100.0 %"), (0.0002, ""), (0.00005, "do not shrink (the last third to 99.9 %"), (-0.005, "do not shrink (the last third to 110")]
 )  # fmt: skip
 def test_what_does_not_shrink_is_told_and_may_be_a_motor_s(decay, told):
     found = check_shrinks(swing(decay, noise=0), "a.csv")
