@@ -10,7 +10,7 @@ from swingdown.answer import of_swings, searchable
 from swingdown.engine.trajectory import simulate
 from swingdown.errors import InputError
 from swingdown.measurement.sharing import sharing
-from swingdown.own_unit import OF_AN_ANGLE, Own, has_size
+from swingdown.own_unit import OF_AN_ANGLE, Own, axis, has_size, own_of, shown, small, speed
 from swingdown.pendulum.catalogue import SHIPPED
 from swingdown.pendulum.model import Model
 
@@ -56,6 +56,42 @@ def test_what_turns_keeps_its_rad_and_the_unit_is_told_in_full():
     assert own.told("cubic_stiffness", "1/s^2") == (0.25, "1/s^2/cm^2")
     assert own.told("magnet_depth", "1/s^2") == (4.0, "cm^2/s^2")
     assert has_size("constant_friction", "rad/s^2") and not has_size("viscous_ratio", "1")
+
+
+def test_values_errors_and_covariances_are_told_in_the_readings_unit():
+    """A friction in steps of 2 cm, a frequency as it is: their covariance by both, what is not known stays unknown."""
+    own = Own("cm", 2.0)
+    found = {
+        "constant_friction": {"value": 0.5, "standard_error": 0.1, "u_sensor": None, "unit": "rad/s^2"},
+        "natural_frequency": {"value": 3.0, "standard_error": 0.2, "unit": "rad/s"},
+    }
+    told = own.entries(found)
+    assert told["constant_friction"] == {
+        "value": 1.0,
+        "standard_error": 0.2,
+        "u_sensor": None,
+        "unit": "cm/s^2",
+    }
+    assert told["natural_frequency"] == found["natural_frequency"]
+    units = ["rad/s^2", "rad/s"]
+    assert own.covariance(list(found), units, [[1.0, 3.0], [3.0, None]]) == [[4.0, 6.0], [6.0, None]]
+    assert own_of({"own_unit": "cm", "own_step": "2.0"}) == own and own_of({"unit": "rad"}) is None
+
+
+@pytest.mark.parametrize(
+    ("unit", "values", "symbol", "words", "name", "speeds"),
+    [
+        ("rad", 90.0, "°", "1.57e+03 mrad", "angle (°)", "angular speed (rad/s)"),
+        ("rad/s", 90.0, "°/s", "1.57e+03 mrad/s", "angular rate (°/s)", "angular speed (rad/s)"),
+        ("V", np.pi / 2, "V", "1.57 V", "reading (V)", "speed (V/s)"),
+    ],
+)
+def test_figures_and_words_have_degrees_and_milliradians_or_the_readings_unit(
+    unit, values, symbol, words, name, speeds
+):
+    found, told = shown([np.pi / 2], unit)
+    assert found == pytest.approx([values]) and told == symbol
+    assert (small(np.pi / 2, unit), axis(unit), speed(unit)) == (words, name, speeds)
 
 
 def _wheel(tmp_path, times_as_large, head, seed=4, name="wheel"):

@@ -19,6 +19,28 @@ def test_steps_of_a_signal():
     assert quantisation_step(x) == 0
 
 
+def test_a_step_is_found_though_levels_are_missing_or_printed_in_two_ways():
+    x = 0.25 * np.round(np.sin(np.arange(900) / 30) / 0.05)
+    gaps = x[~np.isin(x, (1.0, 1.25, -3.0))]
+    assert quantisation_step(gaps) == pytest.approx(0.25)
+    assert quantisation_step(x + 1e-12 * (np.arange(900) % 2)) == pytest.approx(0.25)
+    assert quantisation_step(7 + 1000 * x) == pytest.approx(250)
+
+
+def test_what_comes_in_two_levels_in_uneven_ones_or_all_unlike_has_no_step():
+    x = np.round(np.sin(np.arange(900) / 30) / 0.05)
+    assert quantisation_step(np.sign(x + 0.5)) == 0
+    assert quantisation_step(np.cbrt(x)) == 0
+    assert quantisation_step(np.append(np.arange(6.0), np.arange(5.0))) == 0  # more than half are levels
+    assert quantisation_step(np.append(np.arange(6.0), np.arange(6.0))) == 1
+
+
+def test_rounding_adds_nothing_where_noise_hides_the_steps():
+    slopes = np.stack([np.sin(np.arange(500) / 20), np.ones(500)])
+    hidden = rounding(slopes, np.arange(500) / 7, 0.01, noise=0.01)
+    assert np.abs(hidden).max() < 1e-6 * 0.01**2 * 500
+
+
 @pytest.mark.parametrize("ratio", [0.0, 0.1, 0.25])
 def test_the_spread_of_fitted_values_under_rounding_is_foretold(ratio):
     times, step, rng = np.arange(3000) / 200, 0.01, np.random.default_rng(3)

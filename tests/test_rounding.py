@@ -5,7 +5,7 @@ from math import inf, nan
 
 import pytest
 
-from swingdown.rounding import moment, plus_minus, value_with_uncertainty
+from swingdown.rounding import again, moment, plus_minus, probability, value_with_uncertainty
 
 
 def test_two_digits_as_another_package_has_them(certified):
@@ -37,6 +37,12 @@ def test_two_digits_as_another_package_has_them(certified):
         (7.25, nan, "7.25(?)"),
         (7.25, inf, "7.25(?)"),
         (nan, 1.0, "nan"),
+        (1.5e-4, 1e-6, "0.0001500(10)"),
+        (1.5e-5, 1e-7, "1.500(10)e-5"),
+        (12345.0, 999.6, "12300(1000)"),
+        (123456.0, 12000.0, "1.23(12)e5"),
+        (0.0, 2.5e-6, "0.0(2.5)e-6"),
+        (99.96, 0.45, "99.96(45)"),
     ],
 )
 def test_two_digits_of_the_uncertainty(value, uncertainty, text):
@@ -101,3 +107,12 @@ def test_an_unknown_rule_is_refused():
 )
 def test_a_moment_of_a_clock_since_1970_is_told_to_a_millisecond(time, digits, text):
     assert moment(time, digits) == text
+
+
+def test_how_often_more_is_said_in_words():
+    assert [again(times) for times in (0, 1, 2)] == ["", " and once more", " and 2 times more"]
+
+
+@pytest.mark.parametrize(("chance", "text"), [(0.9526, "0.953"), (0.999, "0.999"), (0.99901, "> 0.999"), (0.0, "0.000")])  # fmt: skip
+def test_a_probability_has_three_decimals_and_never_says_one(chance, text):
+    assert probability(chance) == text
