@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 
 import swingdown
+from swingdown import plots
 from swingdown.answer import curve_files
 from swingdown.answer.curve_files import write_beside
 from swingdown.curves.dataset import COLUMNS as CURVE_COLUMNS
@@ -24,13 +25,22 @@ FEW = {"fitted": ["viscous", "load_coulomb", "viscous+load_coulomb"]}
 
 @pytest.fixture(scope="module")
 def answer():
-    return swingdown.fit(TIMES, SWING, unit="rad", **FEW)
+    """The parts of an answer that are asked for, each computed once."""
+    found = swingdown.fit(TIMES, SWING, unit="rad", **FEW)
+    curves, laws = found.curves(), found.laws()
+    return SimpleNamespace(label=found.label, row=found.row, curves=lambda: curves, laws=lambda: laws)
 
 
 @pytest.fixture(scope="module")
 def short():
     """Too few half-swings for curves."""
     return swingdown.fit(TIMES[:220], SWING[:220], unit="rad", **FEW)
+
+
+@pytest.fixture(autouse=True)
+def quick(monkeypatch):
+    """Pictures are made, and their files are empty: to write them takes longer than all else."""
+    monkeypatch.setattr(plots, "save", lambda figure, path: path.touch())
 
 
 def pictures(folder):
