@@ -25,6 +25,7 @@ def test_a_step_is_found_though_levels_are_missing_or_printed_in_two_ways():
     assert quantisation_step(gaps) == pytest.approx(0.25)
     assert quantisation_step(x + 1e-12 * (np.arange(900) % 2)) == pytest.approx(0.25)
     assert quantisation_step(7 + 1000 * x) == pytest.approx(250)
+    assert quantisation_step(1e5 * x + 1e-6 * (np.arange(900) % 2)) == pytest.approx(25_000)
 
 
 def test_what_comes_in_two_levels_in_uneven_ones_or_all_unlike_has_no_step():
@@ -39,6 +40,26 @@ def test_rounding_adds_nothing_where_noise_hides_the_steps():
     slopes = np.stack([np.sin(np.arange(500) / 20), np.ones(500)])
     hidden = rounding(slopes, np.arange(500) / 7, 0.01, noise=0.01)
     assert np.abs(hidden).max() < 1e-6 * 0.01**2 * 500
+
+
+@pytest.mark.parametrize("ratio", [0.0, 0.1, 0.2])
+def test_errors_of_rounding_go_together_as_they_do_over_all_places_of_the_steps(ratio):
+    """Each sample's mean error over its noise, multiplied with every other's: the mean over where the steps lie."""
+    step, draws = 0.02, np.linspace(-4, 4, 801)
+    signal = 0.05 * np.sin(np.arange(300) / 90)
+    slopes = np.stack([np.ones(300), np.arange(300) / 150 - 1, np.cos(np.arange(300) / 30)])
+    weights = np.exp(-(draws**2) / 2) / np.sum(np.exp(-(draws**2) / 2))
+    phases = (np.arange(400) + 0.5) / 400 * step
+    near = phases[:, None] + ratio * step * draws  # of a sample so far above a step, its noise
+    mean = (step * np.round(near / step) - phases[:, None]) @ weights
+    expected = np.zeros((3, 3))
+    for offset in phases:
+        errors = np.interp((signal - offset) % step, phases, mean, period=step)
+        own = slopes * errors
+        expected += (np.outer(own.sum(axis=1), own.sum(axis=1)) - own @ own.T) / phases.size
+    found = rounding(slopes, signal, step, ratio * step)
+    np.testing.assert_allclose(found, expected, atol=0.04 * np.abs(expected).max())
+    assert np.abs(expected).max() > 300 * step**2 / 12  # more than independent errors make
 
 
 @pytest.mark.parametrize("ratio", [0.0, 0.1, 0.25])
