@@ -62,6 +62,13 @@ def test_the_unit_that_nobody_states_is_the_one_in_which_a_pendulum_can_swing():
     assert stated["signal"].attrs["units"] == "deg" and "in degrees, `t (s)` as s" in stated.attrs["taken"]
 
 
+@pytest.mark.parametrize(
+    ("head", "cells", "told"), [("t", {}, "`t` as s (no unit is stated)"), ("t (s)", {}, "`t (s)` as s,"), ("t (s)", {"time_unit": "ms"}, "`t (s)` as ms,")]
+)  # fmt: skip
+def test_the_unit_of_the_times_is_told_as_stated_or_that_none_is(head, cells, told):
+    assert told in points({head: TIMES, "angle (rad)": SIDES}, **cells).attrs["taken"]
+
+
 @pytest.mark.parametrize(("head", "unit"), [("x (cm)", "cm"), ("x", "units of its own")])
 def test_a_coordinate_is_no_angle(head, unit):
     found = points(
@@ -96,7 +103,7 @@ def test_a_column_counts_swings_by_its_name_or_by_whole_numbers_one_apart(name, 
     ("columns", "cells"),
     [
         ({"t (s)": TIMES, "angle (rad)": SIDES}, {"signal_kind": "swing"}),
-        ({"t (s)": TIMES, "angle (rad)": SIDES}, {"rate_hz": 10.0}),
+        ({"t (s)": TIMES, "angle (rad)": SIDES}, {"rate_hz": 0.5}),
         ({"t (s)": TIMES, "angle (rad)": SIDES}, {"role": "static"}),
         ({"t (s)": TIMES, "U (V)": SIDES}, {}),
         ({"t (s)": TIMES, "x (m)": SIDES, "y (m)": 1 + SIZES}, {}),
