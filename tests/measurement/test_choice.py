@@ -223,3 +223,11 @@ def test_units_that_contradict_or_need_a_calibration_are_asked_about():
             columns_of(table({"t (s)": TIMES, head: SWING}), row(**{wrong: 0.1}), "sheet.csv")
         right = ({"zero_tolerance_rad", "zero_tolerance_rad_per_s"} - {wrong}).pop()
         columns_of(table({"t (s)": TIMES, head: SWING}), row(**{right: 0.1}), "sheet.csv")
+
+
+def test_a_force_is_a_swing_on_a_spring_where_it_is_named():
+    force = table({"t (s)": TIMES, "F (N)": SWING})
+    assert columns_of(force, row(signal_column="F (N)"), "sheet.csv", "linear").found[0].name == "F (N)"
+    for cells, restoring in (({"signal_column": "F (N)"}, "sine"), ({}, "linear")):
+        with pytest.raises(InputError, match="is no angle"):
+            columns_of(force, row(**cells), "sheet.csv", restoring)

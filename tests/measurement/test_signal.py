@@ -184,3 +184,15 @@ def test_how_it_was_read_is_told_in_words():
     assert scaled.taken(scaled.reading) == "took `value` as readings of 20° each, `t (s)` as s"
     bare = read({"value": ANGLE})._replace(read=("`value`", "", "`t (s)` as s"))
     assert bare.taken(bare.reading) == "took `value` as rad (no unit is stated), `t (s)` as s"
+
+
+def test_of_a_body_s_angles_the_one_that_swings_is_taken_and_of_its_rates_the_one_that_turns_most():
+    wander = np.cumsum(np.random.default_rng(1).standard_normal(1200))
+    angles = read({"roll (deg)": 50 * wander, "pitch (deg)": 30 * ANGLE})
+    assert (
+        angles.column == "pitch (deg)"
+        and "of 2 angles `pitch (deg)` swings and was taken" in angles.remarks[0]
+    )
+    rates = read({"gyro x (deg/s)": 0.05 * ANGLE, "gyro y (deg/s)": 30 * ANGLE})
+    assert rates.column == "gyro y (deg/s)"
+    np.testing.assert_array_equal(rates.signal, 30 * ANGLE)
