@@ -168,6 +168,7 @@ def test_a_height_is_refused_but_on_a_spring_and_a_speed_is_taken_as_it_swings()
         read({"y (m)": SMALL}, length="0.8m")
     speed = read({"v (m/s)": np.gradient(ANGLE, TIMES)})
     assert speed.remarks == ["the speed of a bob: taken as it swings"] and speed.reading.unit == NO_SCALE
+    assert read({"v (m/s)": np.gradient(ANGLE, TIMES)}, "linear").reading.own == ""  # no deflection
 
 
 def test_a_third_axis_without_a_unit_is_asked_about():
