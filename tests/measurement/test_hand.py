@@ -98,3 +98,11 @@ def test_a_turning_point_is_no_hold_and_few_swings_tell_none():
     slow = rates(held(0.2))
     assert held_still(TIMES, slow) == []  # 0.23 of a period
     assert held_still(TIMES[:330], rates(held(1.5))[:330]) == []
+
+
+@pytest.mark.parametrize("noise", [0.001, 0.002])
+def test_a_knock_of_half_a_second_is_a_hand_within_the_swing(noise):
+    """A bump of 0.15 rad on a swing of half a radian, from 9.6 to 10.1 s."""
+    bump = 0.15 * np.sin(np.pi * (TIMES - 9.6) / 0.5) ** 2 * ((TIMES > 9.6) & (TIMES < 10.1))
+    ((start, stop),) = found(noisy(FREE + bump, 1, noise))
+    assert 9.3 < start < 9.8 and 9.9 < stop < 10.4
