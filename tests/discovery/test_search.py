@@ -178,6 +178,9 @@ def test_the_rounds_lead_on_from_one_another_and_the_last_is_judged(two):
     for before, after in pairwise(states):
         assert before.chosen.fit.model.label == after.fit.model.label
         assert not before.findings
+    for one in states:
+        moves = [candidate.move for candidate in one.ranked]
+        assert len(set(moves)) == len(moves)  # whichever way led to it
     assert states[-1].chosen is None
     assert set(states[-1].findings) == set(states[-1].found)
     assert all(one.sure for one in states[-1].findings.values())

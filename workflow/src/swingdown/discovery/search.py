@@ -276,7 +276,11 @@ class _Search:
         self._keep(here, [*ranked, *pairs])
 
     def _keep(self, here: Structure, ranked: list[Candidate]) -> None:
-        self.ranked[here.key] = sorted(ranked, key=lambda one: (bool(one.refused), one.bic))
+        best = sorted(ranked, key=lambda one: (bool(one.refused), one.bic))
+        moves: dict[str, Candidate] = {}
+        for one in best:
+            moves.setdefault(one.move, one)
+        self.ranked[here.key] = [*moves.values()]
         for one in ranked:
             if not one.refused:
                 self.pool.look(one.fit)

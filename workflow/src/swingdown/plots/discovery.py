@@ -227,7 +227,7 @@ def ranking(ranked: pd.DataFrame, move: str) -> Figure:
     axes.set_xlim(min(0.0, 1.05 * float(table["gain_bic"].min())), 1.5 * most)
     axes.axvline(0, color=style.GREY, lw=0.8)
     axes.tick_params(axis="y", length=0)
-    axes.set_xlabel("evidence gained: fall of BIC (within 10 of the best: a tie)")
+    axes.set_xlabel("evidence gained: fall of BIC, where nothing else is missing")
     return figure
 
 
