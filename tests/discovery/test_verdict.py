@@ -403,3 +403,10 @@ def test_what_does_not_die_away_has_no_effect_of_a_pendulum_unless_its_drive_was
         concluded = kept_up | {"narrows": narrows, "amplitude_rad": 0.3}
         there = last | {"conclusion": concluded, "duration_s": duration, "unnamed_rad": unnamed}
         assert verdict([first, there])["dies_away"] == dies
+
+
+@pytest.mark.parametrize(("other", "told"), [(4.52, "from 4.5 to 4.52 rad/s"), (4.500001, "")])
+def test_frequencies_of_each_recording_are_told_where_they_differ_in_what_is_written(other, told):
+    one = state(0, missing=False) | {"own_frequency": {"a": other, "b": 4.5}}
+    sentence = verdict([one])["sentence"]
+    assert told in sentence and ("differ in natural frequency" in sentence) == bool(told)

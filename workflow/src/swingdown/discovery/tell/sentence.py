@@ -166,12 +166,12 @@ def _slack(nuisance: Mapping[str, Any]) -> str:
 
 
 def _frequencies(found: Mapping[str, Any]) -> str:
-    own = found.get("own_frequency", {}).values()
-    return (
-        f" The recordings differ in natural frequency, from {min(own):.5g} to {max(own):.5g} rad/s: each was given its own."
-        if own
-        else ""
-    )
+    """That the recordings have a natural frequency each, where these are not all the same."""
+    own = sorted(found.get("own_frequency", {}).values())
+    low, high = (f"{own[k]:.5g}" for k in (0, -1)) if own else ("", "")
+    if low == high:
+        return ""
+    return f" The recordings differ in natural frequency, from {low} to {high} rad/s: each was given its own."
 
 
 def _of_parts(found: Mapping[str, Any]) -> str:
