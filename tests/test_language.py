@@ -18,12 +18,16 @@ from swingdown.measurement.signal import Interpreted
 from swingdown.measurement.units import NO_SCALE, angle_unit, time_factor
 from swingdown.pendulum.catalogue import SHIPPED
 from swingdown.pendulum.model import model_words
+from swingdown.plots.pendulums import LOOKS
+from swingdown.studies.words import STATUS
 
 OTHERS = [code for code in languages() if code != "en"]
 PACKAGE = Path(language.__wrapped__.__code__.co_filename).parent
 DOUBTS = [one.format(probability=0.94, share=0.68, parameter="vibration frequency") for one in Doubt]
 ENGLISH_WORDS = {"the", "it", "times", "noise", "than", "not", "be"}
 FIELD = re.compile(r"\{(\w+)\}")
+POINTS_ALONE_TOLD = "points of the motion only: what a torque does between them is not in the data"
+NO_SCALE_TOLD = "its readings have no scale: they allow no search, and period and decay alone are reported"
 
 
 @pytest.fixture(scope="module")
@@ -66,6 +70,20 @@ def test_where_a_model_disagrees_is_told(code, where):
         told = language(code).text(f"{shown(where + seen)}.")
         assert not ENGLISH_WORDS & set(told.split()), told
         assert ("8.3" in where) == ("8,3" in told) and told.endswith(".")
+
+
+@pytest.mark.parametrize("code", OTHERS)
+def test_verdicts_are_told_alone_in_a_list_in_a_legend_and_before_a_remark(code):
+    told = language(code).text
+    verdicts = [*STATUS.values(), *(words for *_, words in LOOKS.values())]
+    for words in verdicts:
+        assert told(words).lower() == told(words.lower()).lower() != words.lower(), words
+    first, second = (told(words) for words in ("Nothing is missing", "not searched"))
+    listed = told("Nothing is missing: 4, not searched: 2; 2 files could not be used.")
+    assert listed.startswith(first) and second in listed and "used" not in listed
+    remarks = POINTS_ALONE_TOLD, NO_SCALE_TOLD
+    assert all(not ENGLISH_WORDS & set(told(f"Not searched: {one}").split()) for one in remarks)
+    assert told("could not be used: 1.5.csv, b").endswith(": 1.5.csv, b")
 
 
 def test_there_are_five_beside_english():

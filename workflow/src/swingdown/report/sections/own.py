@@ -167,7 +167,8 @@ def _side_by_side(table: pd.DataFrame, material: Material) -> Iterator[Item]:
     counts = each.map(lambda kind: STATUS.get(kind, kind)).value_counts()
     said = ", ".join(f"{word[:1].lower() + word[1:]}: {count}" for word, count in counts.items())
     refused = len(table) - len(used)
-    left = f"; {refused} file{'s' if refused > 1 else ''} could not be used" if refused else ""
+    lost = f"{refused} files could not be used" if refused > 1 else f"{refused} file could not be used"
+    left = f"; {lost}" if refused else ""
     yield Text(f"{len(campaigns)} pendulums. {capital(said)}{left}.", "lead")
     caption = "Each pendulum; a click on a column's head sorts by it, and the name leads to its files."
     yield _table("Pendulums", caption, table, campaigns, searched=True)
