@@ -94,6 +94,32 @@ def test_several_files_are_one_pendulum_and_each_goes_on_as_it_began(tmp_path):
         answer.simulate(recording="anna")
 
 
+def test_a_list_of_files_or_of_recordings_is_several_swings(tmp_path):
+    files = [tmp_path / "a" / "0.csv", tmp_path / "b" / "0.csv"]
+    for file, angle in zip(files, (0.35, 0.2), strict=True):
+        one = swingdown.simulate("viscous", TIMES, angle, noise=0.002, seed=1, **VALUES)
+        file.parent.mkdir()
+        pd.DataFrame({"t": TIMES, "phi": np.degrees(one.values)}).to_csv(file, index=False)
+    told = {"unit": "deg", "length": "0.1867±0.0001"}
+    as_read = swingdown.read(files, **told).fit(**FEW)
+    listed = swingdown.fit(list(map(str, files)), **told, **FEW)
+    each = [swingdown.read(file, **told) for file in files]
+    joined = swingdown.fit(each, **FEW)
+    assert list(listed.table["recording"]) == list(joined.table["recording"]) == ["0", "0-2", "(joint)"]
+    for name in ("period", "g"):
+        assert listed[name] == joined[name] == as_read[name]
+    assert (
+        swingdown.fit(each[:1], **FEW)["period"] == swingdown.fit(tuple(files[:1]), **told, **FEW)["period"]
+    )
+    found = swingdown.explain(files, base=["viscous"], rounds=0, **told, **FEW)
+    assert found.verdict["status"] == "consistent" and len(found.swings) == 2
+    with pytest.raises(InputError, match="not all of them are of one kind.*read the files"):
+        swingdown.fit([each[0], files[1]])
+    wheel = swingdown.read(files[1], restoring="linear", **told)
+    with pytest.raises(InputError, match="others of a wheel.*one restoring"):
+        swingdown.fit([each[0], wheel])
+
+
 def test_swings_without_names_are_numbered_where_there_are_several(plain, swing):
     lower = swingdown.simulate("viscous", TIMES, 0.25, noise=0.002, seed=4, **VALUES)
     both = swingdown.fit([TIMES, TIMES], [swing.values, lower.values], **FEW)

@@ -49,7 +49,7 @@ from ..studies.quantities import Quantity
 from ..studies.unscaled import without_scale
 from .given import Said, asked, swings
 from .options import TO_FIT
-from .recorded import OfAFile, Recording, Restoring, Told, read, shown_with
+from .recorded import OfAFile, Recording, Restoring, Told, as_one, read, shown_with
 from .result import Answer, Begin
 from .simulation import simulate
 
@@ -136,16 +136,22 @@ def fit(  # noqa: PLR0913
 def _recorded(
     times: Any, angles: Any, unit: Unit | None, kind: Kind, restoring: Restoring, more: Mapping[str, Any]
 ) -> Recording | None:
-    """The recording that stands for the times of a call, or that the file has whose path does; None where they are numbers."""
-    if angles is not None or not isinstance(times, str | PathLike | Recording):
+    """The recording that stands for the times of a call, that the file has whose path does, or that a list of either makes; None where they
+    are numbers.
+    """
+    each = list(times) if isinstance(times, list | tuple) else [times]
+    files = [isinstance(one, str | PathLike) for one in each]
+    if angles is not None or not any(files) and not any(isinstance(one, Recording) for one in each):
         return None
-    if not isinstance(times, Recording):
+    if all(files):
         told = {name: value for name, value in more.items() if value is not None}
         told |= {name: value for name, value in (("unit", unit), ("kind", kind)) if value}
-        return read(times, restoring=restoring, **cast(Told, told))
+        return read(each, restoring=restoring, **cast(Told, told))
+    if not all(isinstance(one, Recording) for one in each):
+        raise InputError("argument times", "not all of them are of one kind", "recordings, paths or arrays alone", "read the files by swingdown.read, and give the recordings")  # fmt: skip
     if said := [*asked(more), *(name for name, value in (("unit", unit), ("kind", kind)) if value)]:
         raise InputError("arguments", "a recording has its unit and kind already", "a recording alone", f"give {said[0]}= to swingdown.read")  # fmt: skip
-    return times
+    return as_one(each)
 
 
 def of_swings(

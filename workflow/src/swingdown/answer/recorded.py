@@ -242,6 +242,35 @@ def read(path: Paths, *, restoring: Restoring = "sine", **told: Unpack[Told]) ->
     )
 
 
+def as_one(recordings: Sequence[Recording]) -> Recording:
+    """The ``Recording`` of all swings of these, as of one pendulum; of those with one name the later ones are numbered.
+
+    InputError where some are of a pendulum and others of a wheel on a spring.
+    """
+    if len(recordings) == 1:
+        return recordings[0]
+    restoring = recordings[0].restoring
+    if any(one.restoring != restoring for one in recordings):
+        problem, expected = (
+            "some are of a pendulum, others of a wheel on a spring",
+            "recordings of one pendulum",
+        )
+        raise InputError("the recordings", problem, expected, "read all with one ⟨restoring⟩")
+    swings, rows = [], dict[str, Mapping[str, Any]]()
+    for one in recordings:
+        for swing in one.swings:
+            given = name = str(swing.attrs["recording"])
+            number = 2
+            while name in rows:
+                name, number = f"{given}-{number}", number + 1
+            about = {"recording": name, "campaign": own.TOGETHER}
+            rows[name] = {**one.rows.get(given, {}), **about}
+            swings.append(swing.assign_attrs(about))
+    taken = dict.fromkeys(line for one in recordings for line in one.taken)
+    remarks = dict.fromkeys(line for one in recordings for line in one.remarks)
+    return Recording(tuple(swings), tuple(taken), tuple(remarks), restoring, rows)
+
+
 def _no_folders(given: Sequence[str | PathLike[str]]) -> list[Path]:
     paths = [Path(one) for one in given]
     if folders := [one for one in paths if one.is_dir()]:
