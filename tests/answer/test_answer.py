@@ -161,6 +161,10 @@ def test_of_volts_period_and_decay_are_told_and_how_to_make_them_angles(unit):
         (TIMES, 0 * ANGLE, "constant"),
         (TIMES[:5], ANGLE[:5], "5 samples"),
         (TIMES, None, "the times bring none along"),
+        ([], [], "swing: it is empty"),
+        ([[], []], [[], []], "swing 1: it is empty"),
+        ([], None, "they are empty"),
+        (pd.DataFrame(), None, "DataFrame: it has no column"),
         (pd.DataFrame({"t": TIMES, "Gyroscope z (rpm)": ANGLE}), None, "an angular rate"),
         (pd.DataFrame({"t": TIMES, "Position x (m)": ANGLE}), None, "'Position x .m.' holds no angle"),
         (xr.DataArray(ANGLE, {"time": TIMES}, attrs={"units": "m"}), None, "their unit is 'm'"),
@@ -169,6 +173,14 @@ def test_of_volts_period_and_decay_are_told_and_how_to_make_them_angles(unit):
 def test_what_is_no_swing_is_refused_by_name(times, angles, told):
     with pytest.raises(InputError, match=told):
         swingdown.fit(times, angles, **FEW)
+
+
+@pytest.mark.parametrize(
+    ("names", "told"), [(["x", "x"], "the name 'x' is there twice"), (["x"], "names given: 1, swings: 2")]
+)
+def test_each_swing_has_a_name_of_its_own(names, told):
+    with pytest.raises(InputError, match=told):
+        swingdown.fit([TIMES, TIMES], [ANGLE, ANGLE], names=names, **FEW)
 
 
 def test_importing_the_package_loads_nothing_of_what_a_call_needs():

@@ -60,12 +60,19 @@ def test_of_a_rate_the_swing_is_one_of_rates():
     [
         ({"viscous_ratio": np.nan}, "not finite"),
         ({"viscosity": 1.0}, "viscosity"),
+        *(({"natural_frequency": one}, "rad/s above 0") for one in (-7.25, 0.0, np.nan)),
         ({"input": np.ones(500), "input_kind": "wind"}, "wind"),
     ],
 )
 def test_what_no_pendulum_has_is_refused(changed, words):
     with pytest.raises(InputError, match=words):
         simulate(MODEL, TIMES, 0.35, **changed)
+
+
+def test_a_frequency_of_an_effect_is_above_0_too():
+    values = VALUES | {"vibration_acceleration": 0.1, "vibration_phase": 0.0, "vibration_frequency": -3.0}
+    with pytest.raises(InputError, match="vibration_frequency: it is -3. Expected: a number of Hz above 0"):
+        simulate("viscous+base_vibration", TIMES, 0.35, **values)
 
 
 def test_a_measured_drive_acts_and_its_gain_is_a_value_like_others():

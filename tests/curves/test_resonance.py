@@ -103,7 +103,7 @@ def test_the_drives_that_nobody_named_peak_within_the_ring_down(spring):
 
 @pytest.mark.parametrize(
     ("drive", "kind", "told"),
-    [(-1.0, "torque", "amplitudes above 0"), (1e-9, "torque", "makes it swing less than the ring-down shows"), (0.1, "push", "torque or pivot")],
+    [*((one, "torque", "amplitudes above 0") for one in (-1.0, [], "weak")), (1e-9, "torque", "makes it swing less than the ring-down shows"), (0.1, "push", "torque or pivot")],
 )  # fmt: skip
 def test_what_cannot_be_foretold_is_refused(spring, drive, kind, told):
     with pytest.raises(InputError, match=told):

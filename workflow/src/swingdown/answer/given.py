@@ -101,9 +101,13 @@ def swings(
     found = list(_each(times, angles))
     names = [names] if isinstance(names, str) else names
     names = list(names or [f"swing {k + 1}" if len(found) > 1 else "swing" for k in range(len(found))])
-    if len(names) != len(found) or len(set(names)) < len(names):
-        problem = f"{len(set(names))} names for {len(found)} swings"
+    if len(names) != len(found):
+        problem = f"names given: {len(names)}, swings: {len(found)}"
         raise InputError("argument names", problem, "one name each")
+    if twice := next((name for name in names if names.count(name) > 1), None):
+        raise InputError(
+            "argument names", f"the name {twice!r} is there twice", "one name each", "rename one"
+        )
     said = dict(said or {})
     if "zero_tolerance" in said:
         known = {ZERO: float(said.pop("zero_tolerance"))}
@@ -260,6 +264,8 @@ def _alone(given: Any) -> Series:
             expected = "one, with the times as its coordinate"
             raise InputError("DataArray", f"its dimensions are {given.dims}", expected)
         return _series(given[given.dims[0]], given)
+    if isinstance(given, pd.DataFrame) and not given.shape[1]:
+        raise InputError("DataFrame", "it has no column", "columns of the time and the angle", "fill it")
     if isinstance(given, pd.DataFrame) and given.shape[1] > 1:
         return _of_columns(given)
     if isinstance(given, pd.DataFrame):
@@ -267,6 +273,8 @@ def _alone(given: Any) -> Series:
     if isinstance(given, pd.Series):
         return _series(given.index, given)
     array = numbers(given, "argument times")
+    if not array.size:
+        raise InputError("argument times", "they are empty", "times and angles", "give both")
     if array.ndim != 2 or 2 not in array.shape:
         problem = "no angles are given, and the times bring none along"
         raise InputError("argument angles", problem, "times and angles")
@@ -289,8 +297,10 @@ def _swings_in(name: str, given: Series, unit: str | None, kind: str, restoring:
     if points := _points(name, times, values, unit or stated, about, kind):
         return points
     missing = ~(np.isfinite(times) & np.isfinite(values))
-    if missing.mean() > MOST_EMPTY if missing.size else True:
-        raise InputError(f"{name}, sample {np.argmax(missing)}" if missing.size else name, f"not a finite number ({missing.sum()} of {times.size} samples)", "numbers (a few samples may be missing)")  # fmt: skip
+    if not missing.size:
+        raise InputError(name, "it is empty", f"at least {SHORTEST} samples", "give its times and angles")
+    if missing.mean() > MOST_EMPTY:
+        raise InputError(f"{name}, sample {np.argmax(missing)}", f"not a finite number ({missing.sum()} of {times.size} samples)", "numbers (a few samples may be missing)")  # fmt: skip
     times, values = times[~missing], values[~missing]
     if times.size < SHORTEST:
         raise InputError(name, f"{times.size} samples", f"at least {SHORTEST}", "record longer")

@@ -62,7 +62,7 @@ def simulate(
     Raises
     ------
     InputError
-        If a parameter is missing or unknown, if times are not increasing, or if no pendulum moves so.
+        If a parameter is missing or unknown, a frequency not above 0, if times are not increasing, or if no pendulum moves so.
     """
     known: Any = getattr(model, "model", model)
     said = asked({name: values.pop(name) for name in Driven.__annotations__ if name in values})
@@ -76,6 +76,10 @@ def simulate(
         units = known.units
         told = {name: array_units.value(values[name], units[name], name) for name in values if name in units}
         known = known.with_values({**known.values, **values, **told}, known.standard_errors)
+    for one in known.definitions:
+        value = known.values.get(one.name, one.typical)
+        if one.name.endswith("frequency") and one.lower >= 0 and not value > 0:
+            raise InputError(one.name, f"it is {value:g}", f"a number of {one.unit} above 0", "correct it")
     return swing_of(known, times, (None, angle, velocity), noise, seed)
 
 

@@ -63,9 +63,7 @@ def resonance(curves: xr.Dataset, drive: ArrayLike | None = None, kind: str = "t
     weakest = max(one.asked[0] for one in each.values())
     if drive is None:
         drive = np.unique(np.maximum(each[sources[0]].usual(), _ABOVE * weakest))
-    drives = np.sort(np.atleast_1d(np.asarray(drive, dtype=float)))
-    if drives.ndim != 1 or not (np.isfinite(drives) & (drives > 0)).all():
-        raise InputError("argument drive", f"{drive!r}", "amplitudes above 0, in rad/s^2", "correct it")
+    drives = _amplitudes(drive)
     if weakest >= drives[0]:
         raise InputError(
             "argument drive", f"{drives[0]:.3g} rad/s^2 makes it swing less than the ring-down shows",
@@ -82,6 +80,18 @@ def resonance(curves: xr.Dataset, drive: ArrayLike | None = None, kind: str = "t
     frequency = 1 / curves["period"].sel(source=sources).values
     whole["backbone_frequency"] = (("source", "backbone"), frequency, {"units": "Hz"})
     return whole.assign_attrs(about | {"kind": kind})
+
+
+def _amplitudes(given: ArrayLike) -> Floats:
+    """Amplitudes of a drive in ascending order; InputError where there is none, or one that is not above 0."""
+    try:
+        drives = np.sort(np.atleast_1d(np.asarray(given, dtype=float)))
+    except (TypeError, ValueError):
+        drives = np.empty(0)
+    if drives.ndim != 1 or not drives.size or not (np.isfinite(drives) & (drives > 0)).all():
+        expected = "amplitudes above 0, in rad/s^2"
+        raise InputError("argument drive", f"{given!r}", expected, "correct it, or leave it out")
+    return drives
 
 
 _VARIABLES = (
