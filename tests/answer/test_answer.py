@@ -165,7 +165,7 @@ def test_of_volts_period_and_decay_are_told_and_how_to_make_them_angles(unit):
         ([[], []], [[], []], "swing 1: it is empty"),
         ([], None, "they are empty"),
         (pd.DataFrame(), None, "DataFrame: it has no column"),
-        (pd.DataFrame({"t": TIMES, "Gyroscope z (rpm)": ANGLE}), None, "an angular rate"),
+        (pd.DataFrame({"t": TIMES, "Gyroscope z (1/s)": ANGLE}), None, "an angular rate"),
         (pd.DataFrame({"t": TIMES, "Position x (m)": ANGLE}), None, "'Position x .m.' holds no angle"),
         (xr.DataArray(ANGLE, {"time": TIMES}, attrs={"units": "m"}), None, "their unit is 'm'"),
     ],

@@ -50,6 +50,11 @@ def test_a_list_of_one_is_as_one_of_many(given):
         (Quantity([1 / 360, 2 / 360], "turn"), "deg"),
         (Quantity([1.0, 2.0], "dimensionless"), ""),
         (xr.DataArray([1.0, 2.0], attrs={"units": "V"}), "V"),
+        (xr.DataArray([1e3, 2e3], attrs={"units": "mrad"}), "rad"),
+        (pd.Series([1e3, 2e3], name="theta (mrad)"), "rad"),
+        (pd.Series([0.5 / np.pi, 1 / np.pi], name="theta (turns)"), "rad"),
+        (pd.Series([200 / np.pi, 400 / np.pi], name="theta (gon)"), "rad"),
+        (pd.Series([1e3, 2e3], name="reading (mV)"), "V"),
     ],
 )
 def test_angles_have_the_unit_that_they_state(given, unit):
@@ -61,7 +66,7 @@ def test_angles_have_the_unit_that_they_state(given, unit):
     ("given", "unit"),
     [
         (xr.DataArray([1.0], attrs={"units": "Pa"}), "Pa"),
-        (pd.Series([1.0], name="reading (mV)"), "mV"),
+        (pd.Series([1.0], name="angle (grad)"), "grad"),
         (Quantity([1.0], "m"), "m"),
     ],
 )
@@ -90,6 +95,32 @@ def test_of_dates_the_first_that_is_known_is_the_zero():
     dates = np.array(["NaT", "2026-01-01T12:00", "2026-01-01T12:01"], dtype="datetime64[s]")
     found = times(dates)
     assert np.isnan(found[0]) and found[1:] == pytest.approx([0.0, 60.0])
+
+
+TIMES = np.arange(1001) / 100
+ANGLE = 0.3 * np.exp(-0.05 * TIMES) * np.cos(6 * TIMES) + np.random.default_rng(2).normal(0, 1e-3, 1001)
+
+
+def period(*given, **told):
+    return swingdown.fit(*given, fitted="viscous", restoring="linear", **told)["period"].value
+
+
+@pytest.mark.parametrize(("unit", "worth"), [("mrad", 1e-3), ("gon", np.pi / 200), ("turns", 2 * np.pi), ("degrees", np.pi / 180)])  # fmt: skip
+def test_a_table_and_a_call_may_have_the_units_of_a_file(unit, worth, tmp_path):
+    expected = period(TIMES, ANGLE, unit="rad")
+    table = pd.DataFrame({"t (min)": TIMES / 60, f"theta ({unit})": ANGLE / worth})
+    assert period(table) == pytest.approx(expected, rel=1e-9)
+    assert period(TIMES, ANGLE / worth, unit=unit) == pytest.approx(expected, rel=1e-9)
+    if unit == "degrees":
+        np.savetxt(tmp_path / "a.txt", np.column_stack([TIMES, ANGLE / worth]))
+        assert period(tmp_path / "a.txt", unit=unit) == pytest.approx(expected, rel=1e-6)
+    with pytest.raises(InputError, match="the angles themselves say"):
+        swingdown.fit(pd.Series(ANGLE, TIMES, name="theta (rad)"), unit=unit)
+
+
+def test_an_unknown_unit_is_told_with_those_that_there_are():
+    with pytest.raises(InputError, match="unknown unit 'degre'.*rad or deg"):
+        swingdown.fit(TIMES, ANGLE, unit="degre")
 
 
 def test_times_in_degrees_are_none():

@@ -227,7 +227,7 @@ def test_a_file_asks_for_arguments_and_not_for_cells_of_a_sheet(file, swing):
     ("argument", "value", "mend"),
     [
         ("unit", "furlong", "use one of these"),
-        ("unit", "degs", "write 'deg"),
+        ("unit", "degg", "write 'deg"),
         ("time_unit", "sec", "write 's'"),
         ("kind", "swings", "write 'swing'"),
     ],

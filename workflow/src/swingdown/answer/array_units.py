@@ -1,5 +1,6 @@
 """Arrays that bring a unit, a mask or gaps along, as plain numbers: those of numpy, pandas, xarray, pint and astropy."""
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -8,22 +9,28 @@ import pandas as pd
 
 from ..arrays import Floats
 from ..errors import InputError
-from ..measurement.files.columns import TIME, UNITS, meaning
+from ..measurement.files.columns import UNITS, meaning
+from ..measurement.files.known_units import FACTORS
 from ..measurement.gyroscope import TO_RAD_PER_S
 
 ANGLES = ("rad", "deg", *TO_RAD_PER_S, "V")  # of volts without a scale period and decay are told
-_SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "minutes": 60.0, "h": 3600.0, "hours": 3600.0}  # fmt: skip
+_SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 
 
 def angles(given: Any) -> tuple[Floats, str]:
     """The values of a series as floats, those that are masked or missing as NaN, and the unit that it states ("" for none).
 
     A unit is stated by a quantity of pint or astropy, the attribute ``units`` of xarray or pandas, or the end of the series' name.
-    InputError for what holds no numbers, and for a unit that is none of ``ANGLES``.
+    What is a known number of one of ``ANGLES``, as mrad or turns, is told in that. InputError for what holds no numbers, and for any other unit.
     """
     if (quantity := _quantity(given)) is not None:
         return _in_units(quantity, ANGLES, "the angles")
-    return numbers(given, "the angles"), _unit(given)
+    written = _written(given, "angle")
+    unit, worth = unit_named(written)
+    if written and unit not in ANGLES:
+        raise InputError("the angles", f"their unit is {written!r}", " or ".join(ANGLES), "convert them first")  # fmt: skip
+    values = numbers(given, "the angles")
+    return (values if worth == 1 else worth * values), unit
 
 
 def times(given: Any) -> Floats:
@@ -40,11 +47,10 @@ def times(given: Any) -> Floats:
     written = _written(given, "time")
     if not written:
         return numbers(given, "the times")
-    kind, unit = UNITS.get(written if written in UNITS else written.lower(), ("", ""))
-    factor = _SECONDS.get(unit or written.lower())
-    if kind != TIME or factor is None:
+    unit, worth = unit_named(written)
+    if unit not in _SECONDS:
         raise InputError("the times", f"their unit is {written!r}", "s, ms, us, ns, min or h", "convert them first")  # fmt: skip
-    return factor * numbers(given, "the times")
+    return worth * _SECONDS[unit] * numbers(given, "the times")
 
 
 def numbers(given: Any, what: str) -> Floats:
@@ -73,15 +79,16 @@ def value(given: Any, unit: str, what: str) -> float:
         raise InputError(what, f"{given!r} is no number", f"a number in {unit}") from problem
 
 
-def _unit(given: Any) -> str:
-    """The unit of an angle, or of its rate, that a series states; "" for none."""
-    written = _written(given, "angle")
-    if not written:
-        return ""
+def unit_named(written: str) -> tuple[str, float]:
+    """What a unit is called here, as somebody writes it, or of what it is a known number, and which; ("", 1) for any other."""
     unit = UNITS.get(written if written in UNITS else written.lower(), ("", ""))[1]
-    if unit not in ANGLES:
-        raise InputError("the angles", f"their unit is {written!r}", " or ".join(ANGLES), "convert them first")  # fmt: skip
-    return unit
+    return (unit, 1.0) if unit else FACTORS.get(written.lower(), ("", 1.0))
+
+
+def known_in(names: Iterable[str]) -> dict[str, str]:
+    """Of the names of columns those that state a unit which is a known number of another one, with that one."""
+    written = {name: meaning(name).written.lower() for name in names}
+    return {name: FACTORS[one][0] for name, one in written.items() if one in FACTORS}
 
 
 def _written(given: Any, called: str) -> str:

@@ -30,7 +30,7 @@ from ..measurement.swings.spikes import as_variable
 from ..measurement.units import NO_SCALE, in_rad, time_factor
 from ..own_unit import UNNAMED
 from ..pendulum.drive import Drive, drive
-from .array_units import ANGLES, numbers
+from .array_units import ANGLES, known_in, numbers, unit_named
 from .array_units import angles as in_one_unit
 from .array_units import times as seconds
 
@@ -91,14 +91,22 @@ def swings(
     ``said`` is what else is said of them (``Said``), of swings by themselves nothing of an input; all other arguments are as of
     ``answer.fit``. InputError names the swing and what is wrong with it.
     """
-    if unit not in (None, *ANGLES):
+    told, worth = unit_named(unit or "")
+    if unit and told not in ANGLES:
         units = " or ".join(ANGLES)
         raise InputError("argument unit", f"unknown unit {unit!r}", units, "convert the angles first")
+    unit = told or None
     if kind not in ("", *KINDS):
         raise InputError("argument kind", f"unknown kind {kind!r}", " or ".join(KINDS), "leave it out")
     if kind in (PASSAGES, PERIODS):
         return [_passages(times, angles, names, kind)]
     found = list(_each(times, angles))
+    if worth != 1:
+        if stated := next((one.stated for one in found if one.stated), ""):
+            raise InputError(
+                "argument unit", f"the angles themselves say {stated}", "one unit", "leave unit out"
+            )
+        found = [one._replace(values=worth * one.values) for one in found]
     names = [names] if isinstance(names, str) else names
     names = list(names or [f"swing {k + 1}" if len(found) > 1 else "swing" for k in range(len(found))])
     if len(names) != len(found):
@@ -284,7 +292,8 @@ def _alone(given: Any) -> Series:
 
 def _of_columns(table: pd.DataFrame) -> Series:
     """The swing in a table with a column of the time and one of the angle."""
-    clock, chosen = choose(tuple(map(str, table.columns)), "", "", "DataFrame")
+    names = tuple(map(str, table.columns))
+    clock, chosen = choose(names, "", "", "DataFrame", beside=known_in(names))
     if len(chosen) > 1 or chosen[0].kind not in (ANGLE, RATE, ""):
         raise InputError("DataFrame", f"column {chosen[0].name!r} holds no angle", "a column of the angle")
     columns = dict(zip(map(str, table.columns), table.columns, strict=True))

@@ -16,6 +16,7 @@ from ..arrays import Floats, Shown
 from ..dataset import series_of
 from ..errors import InputError, told_to
 from ..extras import has, needed
+from ..measurement.files.columns import UNITS
 from ..measurement.sheet import SCHEMA
 from ..planning import own
 from ..schema import near, rules
@@ -288,6 +289,8 @@ def _cells(told: Mapping[str, Any]) -> dict[str, Any]:
             meant = difflib.get_close_matches(name, known, 1)
             raise InputError(f"argument {name}", "there is no such argument", ", ".join(known), f"say {meant[0]}=" if meant else "leave it out")  # fmt: skip
         cell = ARGUMENTS.get(name, name)
+        if name == "unit":
+            value = UNITS.get(value, ("", ""))[1] or value  # `degrees` is deg
         rule = columns.get(cell, {})
         values = rule.get("enum", ())
         if values and value not in ("", *values):

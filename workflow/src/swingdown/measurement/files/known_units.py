@@ -20,7 +20,7 @@ _WORTH = {
     "V": {"mv": 1e-3, "µv": 1e-6, "μv": 1e-6},
     "rad/s": {"rpm": pi / 30, "mdps": pi / 180_000},
 }
-_FACTOR = {written: (unit, worth) for unit, all_ in _WORTH.items() for written, worth in all_.items()}
+FACTORS = {written: (unit, worth) for unit, all_ in _WORTH.items() for written, worth in all_.items()}
 
 
 def with_stated_length(table: Table, row: dict[str, Any], place: str) -> tuple[Table, dict[str, Any]]:
@@ -48,9 +48,9 @@ def in_known_units(table: Table, row: Row) -> Table:
     """The table with the columns in such a unit in s, rad, V or rad/s, each with a remark; where the sheet's ``row`` states a unit, as it is."""
     known = table.meanings
     found = {
-        one.name: _FACTOR[one.written.lower()]
+        one.name: FACTORS[one.written.lower()]
         for one in known
-        if one.written.lower() in _FACTOR and not row["time_unit" if one.kind == TIME else "signal_unit"]
+        if one.written.lower() in FACTORS and not row["time_unit" if one.kind == TIME else "signal_unit"]
     }
     if not found:
         return table
