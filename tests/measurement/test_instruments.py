@@ -137,6 +137,30 @@ def test_of_several_angles_the_one_that_swings_is_taken_beside_the_noise_of_a_se
     assert "`theta_1` holds noise alone: left out" in found.attrs["remarks"]
 
 
+def moku(first, second):
+    """A file of Moku:Go, whose heading ends in two columns that hold nothing."""
+    head = "% Moku:Go Data Logger,,,,\n% Acquisition rate: 5.0e+01 Hz,,,\n% Time (s), Input A (V), Input B (V),,\n"
+    return head + "".join(
+        f"{t:.4f},{a:.4f},{b:.4f},,\n" for t, a, b in zip(TIMES, first, second, strict=True)
+    )
+
+
+def test_of_two_channels_the_one_that_is_not_taken_is_named(tmp_path):
+    motor = 1.5 * np.sin(2 * np.pi * TIMES / 1.1)
+    found = taken(tmp_path, moku(motor, VOLTS), scale="relative")
+    assert "took `Input A (V)`" in found.attrs["taken"]
+    assert "the first column of volts, and not `Input B (V)`" in found.attrs["remarks"]
+    named = taken(tmp_path, moku(motor, VOLTS), scale="relative", signal_column="Input B (V)")
+    assert "first column" not in named.attrs["remarks"]
+
+
+def test_where_a_channel_is_refused_the_other_is_offered_and_no_empty_column(tmp_path):
+    clipped = np.clip(1.7 * np.sin(2 * np.pi * TIMES / 1.1), -1.5, 1.5)
+    with pytest.raises(InputError, match="saturated") as caught:
+        taken(tmp_path, moku(clipped, VOLTS), scale="relative")
+    assert caught.value.mend.endswith(": Input A (V), Input B (V)")
+
+
 def test_a_short_swing_is_not_left_out_for_a_column_that_swings_more_often(tmp_path):
     short = np.cos(2 * np.pi * TIMES / 9)  # five half-swings
     rows = each("{t:.4f};{1:.5f};{v:.4f}", short)

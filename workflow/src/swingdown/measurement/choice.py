@@ -95,7 +95,7 @@ def may_be_it(table: Table, row: Row) -> list[str]:
     if row["signal_column"] or row["time_column"] not in ("", *table.names):
         return []
     if says_nothing(table):
-        return list(table.names)
+        return [name for name in table.names if not name.startswith(UNNAMED)] or list(table.names)
     if not (found := _by_words(table, row)):
         return []
     others = table.meanings
@@ -104,7 +104,7 @@ def may_be_it(table: Table, row: Row) -> list[str]:
         for one in others
         if one.kind == found[0].kind
         and (one.kind == VOLTAGE or one.written == found[0].written)
-        and not (one.axis or drives(one.name))
+        and not (one.axis or drives(one.name) or one.name.startswith(UNNAMED))
     ]
     return alike if len(found) == 1 and found[0].name in alike and len(alike) > 1 else []
 

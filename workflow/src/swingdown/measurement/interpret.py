@@ -23,7 +23,7 @@ from .choice import (
     with_running_time,
     without_still,
 )
-from .files.columns import ANGLE, LENGTH, OF_AN_ERROR, SPEED, axes_beside, place_of
+from .files.columns import ANGLE, LENGTH, OF_AN_ERROR, SPEED, VOLTAGE, axes_beside, place_of
 from .files.columns import drives as moves_it
 from .files.columns import third as third_of
 from .files.runs import clock_part, several_runs
@@ -138,22 +138,22 @@ def interpret(table: Table, row: Row, place: str, restoring: str) -> Interpreted
 
 
 def _passed_over(table: Table, columns: Chosen, row: Row, read: list[str]) -> list[str]:
-    """A remark on the columns of angles that were not taken, for the first was; none where the sheet names one."""
+    """A remark on the columns of angles, or of volts, that were not taken, for the first was; none where the sheet names one."""
     swing = columns.found[0]
-    if row["signal_column"] or len(columns.found) > 1 or swing.kind != ANGLE:
+    if row["signal_column"] or len(columns.found) > 1 or swing.kind not in (ANGLE, VOLTAGE):
         return []
     others = [
         one.name
         for one in table.meanings
-        if (one.kind, one.unit) == (ANGLE, swing.unit)
+        if (one.kind, one.unit) == (swing.kind, swing.unit)
         and one.name not in read
         and not (moves_it(one.name) or OF_AN_ERROR.search(one.name.replace("_", " ")))
     ]
     if not others:
         return []
     also = ", ".join(f"`{name}`" for name in others)
-    remark = f"`{swing.name}` was taken, the first column of angles, and not {also} (⟨signal_column⟩ says otherwise)"
-    return [remark]
+    first = "the first column of angles" if swing.kind == ANGLE else "the first column of volts"
+    return [f"`{swing.name}` was taken, {first}, and not {also} (⟨signal_column⟩ says otherwise)"]
 
 
 def _written(table: Table, column: str) -> str:

@@ -69,7 +69,7 @@ _ANGLES = re.compile(
     r"(?i)θ|φ|\b(theta|phi|angle|angular position|winkel|ángulo|angulo|ângulo|angolo|hoek|kąt|úhel|uhol|vinkel|açı|угол|кут|角度|각도|ausschlag|roll|pitch|yaw|euler|orient)\b"
 )
 _DRIVES = re.compile(
-    r"(?i)\b(drive|driver|driving|motor|forcing|excitation|exciter|input|forzante|forzatura|erreger|antrieb|excitateur|torques?|tau|effort|"
+    r"(?i)\b(drive|driver|driving|motor|forcing|excitation|exciter|input(?! ?[a-d\d]\b)|forzante|forzatura|erreger|antrieb|excitateur|torques?|tau|effort|"
     r"forces?|pwm|control|command|cmd|set ?point|desired|reference|output (voltage|current|power))\b"
 )
 _ACCELERATES = re.compile(
@@ -285,7 +285,7 @@ def _swing(
 
 
 def drives(name: str) -> bool:
-    """True for the name of a column of what drives a pendulum, which is no swing."""
+    """True for the name of a column of what drives a pendulum, which is no swing; `Input A` is a channel of an instrument."""
     return bool(_DRIVES.search(name.replace("_", " ")))
 
 
