@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from scipy.signal import savgol_filter
 
-from swingdown.errors import as_told
-from swingdown.measurement.judge import Reading, judge, used_part
+from swingdown.errors import InputError, as_told
+from swingdown.measurement.judge import Reading, check_used, judge, used_part
+from swingdown.measurement.swings.release import within
 from swingdown.measurement.swings.slips import out_of_step
 
 TIMES = np.arange(0.0, 60.0, 1 / 30)
@@ -30,6 +31,18 @@ def test_samples_lost_in_the_middle_leave_the_longer_part():
     window, told = used(noisy(swing(TIMES + 0.5 * (TIMES > 40))))
     assert "OUT OF STEP" in told and "start_s and stop_s" in told
     assert np.isnan(window.begins) and 38 < window.ends < 40.1
+
+
+def test_where_no_part_in_step_is_long_enough_the_mend_names_nothing_that_was_not_stated():
+    """As of a double pendulum, which swings in two ways at once: nobody stated a part that could be widened."""
+    both = noisy(0.3 * np.exp(-TIMES / 100) * (np.cos(4 * TIMES) + 0.6 * np.cos(9.66 * TIMES + 1)))
+    judged = judge(TIMES, both, RAD, "here")
+    window, _, _ = used_part(judged.windows)
+    with pytest.raises(InputError, match="OUT OF STEP.*passes its middle [0-3] times") as caught:
+        check_used(TIMES, judged, within(window, TIMES), "here")
+    assert "in one way alone" in caught.value.mend and "start" not in caught.value.mend
+    window, _, _ = used_part(judged.windows, (True, True))
+    check_used(TIMES, judged, within(window, TIMES), "here")
 
 
 def test_what_is_in_step_is_used_whole():

@@ -33,6 +33,7 @@ TOO_QUIET = (
 OWN = "no scale is known: SIZES ARE IN UNITS OF THE READING ({})"
 
 _AT_REST = 0.02  # of what a recording goes through, in its last quarter
+_FOR_A_FIT = 3  # whole half-swings
 
 
 @dataclass(frozen=True)
@@ -198,7 +199,9 @@ def check_used(times: Floats, judged: Judged, used: slice, place: str, partial: 
     InputError
         If it is too short for a fit, grows, or hides swings in a hole.
     """
-    healed = judged.spikes.healed[used]
+    healed, why = judged.spikes.healed[used], judged.windows[0].why
+    if why and not partial and healed.size < times.size:
+        _check_part(healed, why, place)
     if not partial and (count := len(half_swings(healed).starts)) < 3:
         _check_swings(healed, judged.reading, max(count - 1, 0), place)
         raise InputError(
@@ -211,6 +214,19 @@ def check_used(times: Floats, judged: Judged, used: slice, place: str, partial: 
     check_countable(times[used], healed, place)
     remarks = check_shrinks(healed, place)
     return remarks + check_continuous(times[used], judged.signal[used], judged.spikes.within(used))
+
+
+def _check_part(signal: Floats, why: str, place: str) -> None:
+    """InputError where the longest part that can be used, for the reason ``why``, has too few swings for a fit."""
+    crossings = int(np.count_nonzero(np.diff(np.signbit(signal - np.median(signal)))))
+    passed = min(crossings, max(len(half_swings(signal).starts) - 1, 0))  # noise crosses it, too
+    if passed <= _FOR_A_FIT:
+        raise InputError(
+            place,
+            f"{why}, and in that it passes its middle {passed} times",
+            f"{_FOR_A_FIT} whole half-swings or more in one piece",
+            "record one pendulum that swings in one way alone and that nothing touches, without losing samples",
+        )
 
 
 def _check_swings(signal: Floats, reading: Reading, passed: int, place: str) -> None:
