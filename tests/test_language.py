@@ -12,7 +12,7 @@ from swingdown.discovery.criterion import Doubt
 from swingdown.discovery.see.losses import _SAID
 from swingdown.discovery.tell.sentence import _described, _misspecified
 from swingdown.errors import InputError
-from swingdown.language import language, languages, listed
+from swingdown.language import capital, language, languages, listed
 from swingdown.measurement.judge import Reading
 from swingdown.measurement.signal import Interpreted
 from swingdown.measurement.units import NO_SCALE, angle_unit, time_factor
@@ -249,3 +249,17 @@ def test_what_a_file_without_units_was_taken_for_is_told(code):
 @pytest.mark.parametrize(("words", "told"), [([], ""), (["a"], "a"), (["a", "b"], "a and b"), (["a", "b", "c"], "a, b and c")])  # fmt: skip
 def test_words_stand_one_after_the_other(words, told):
     assert listed(words) == told
+
+
+@pytest.mark.parametrize(("words", "told"), [("dry friction", "Dry friction"), ("γ goes as", "γ goes as"), ("g = 9.81", "g = 9.81"), ("a disc", "A disc"), ("gain", "Gain"), ("", "")])  # fmt: skip
+def test_a_sentence_begins_with_a_capital_and_a_symbol_stays_one(words, told):
+    assert capital(words) == told
+
+
+@pytest.mark.parametrize("code", OTHERS)
+def test_what_is_not_looked_at_is_told(code):
+    for why in ("a picture is no recording", "files that end in .log are none of recordings", "files without an ending are none of recordings"):  # fmt: skip
+        told = language(code).text(f"notes 1.5: not looked at: {why}")
+        assert told.startswith("notes 1.5") and not {"looked", "files", "are", "recording"} & set(
+            told.split()
+        )

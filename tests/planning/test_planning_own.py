@@ -44,7 +44,7 @@ def test_files_of_a_folder_come_by_their_numbers_and_others_are_told(tmp_path):
         "a.png": "not looked at: a picture is no recording",
         "b.docx": "not looked at: files that end in .docx are none of recordings",
         "more": "not looked at: a folder in the folder",
-        "noending": "not looked at: files that end in nothing are none of recordings",
+        "noending": "not looked at: files without an ending are none of recordings",
     }
 
 

@@ -42,6 +42,10 @@ def test_scatter_beyond_the_errors_widens_the_uncertainty():
     assert law.scatter.birge == pytest.approx(10 * calm.scatter.birge, rel=1e-3)
     assert law.scatter.p < 0.05 and law.u_exponent / (calm.u_exponent / 10) > law.scatter.birge
     assert "scatter" in law.scatter.sentence and calm.scatter.widening == 1
+    far = power_law(LENGTHS, PERIODS + kicks, 0.0, 1e-5 * PERIODS).scatter
+    assert (
+        far.birge > 100 and f"scatter {far.birge:.2g} times" not in far.sentence and "e+" not in far.sentence
+    )
 
 
 @pytest.mark.parametrize("u_x", [0.0, 1e-5])

@@ -18,4 +18,5 @@ with console.job(snakemake.log[0]) as say:
     members = {Path(path).stem for path in (*files.swings, *files.statics)}
     table = left_out(lost, found, read_csv(files.before) if files.before else None, members)
     write_csv(table, snakemake.output[0])
-    say(f"{len(table)} recordings were left out" if len(table) else "every recording could be used")
+    lost = "1 recording was left out" if len(table) == 1 else f"{len(table)} recordings were left out"
+    say(lost if len(table) else "every recording could be used")

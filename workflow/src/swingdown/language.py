@@ -25,7 +25,8 @@ _VALUE = rf"[-−<>≈ ]*\(?\d[-−+\d.()?±×⁻⁰¹²³⁴⁵⁶⁷⁸⁹e ]*
 _SIZE = re.compile(f"{_VALUE}|{_UNIT}")
 _FIELD = re.compile(r"\{(\w+)\}")
 _DECIMAL = re.compile(r"(?<![\w.])(\d+)\.(\d+)(?=e[-+]\d+(?!\.?\w)|(?![\w.]*\.?\d|[A-Za-z_]))")
-_SENTENCES = re.compile(r"(?<=[.!?”])(?=\s+[A-ZΑ-Ω“±])")  # each has the space before it
+_SENTENCES = re.compile(r"(?<=[.!?”])(?=\s+[A-ZΑ-Ωα-ω“±])")  # each has the space before it
+_SYMBOL = re.compile(r"[α-ωg](?!\w)")
 
 
 @cache
@@ -143,8 +144,8 @@ def _small(text: str) -> str:
 
 
 def capital(text: str) -> str:
-    """The text as a sentence begins."""
-    return text[:1].upper() + text[1:]
+    """The text as a sentence begins; a symbol there, as γ or g, stays as it is."""
+    return text if _SYMBOL.match(text) else text[:1].upper() + text[1:]
 
 
 def _capital(text: str | None) -> str | None:

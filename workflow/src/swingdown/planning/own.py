@@ -109,7 +109,8 @@ def _passed(path: Path) -> Refused:
     ending = path.suffix.lower()
     what = (
         "a folder in the folder" if path.is_dir() else "a picture is no recording" if ending in _PICTURES
-        else f"files that end in {ending or 'nothing'} are none of recordings"
+        else f"files that end in {ending} are none of recordings" if ending
+        else "files without an ending are none of recordings"
     )  # fmt: skip
     told = f"not looked at: {what}", "", "name it by itself, if it is one"
     shown = _shown(path)

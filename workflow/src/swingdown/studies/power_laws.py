@@ -53,7 +53,7 @@ class Scatter:
         """A sentence, if the points scatter by more than the stated errors; else an empty text."""
         if not self.widening > 1:
             return ""
-        return f"the points scatter {self.birge:.2g} times as far as their errors say, and the uncertainty is widened to that"
+        return f"the points scatter {float(f'{self.birge:.2g}'):g} times as far as their errors say, and the uncertainty is widened to that"
 
 
 def _student(dof: int) -> float:
