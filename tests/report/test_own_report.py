@@ -251,6 +251,19 @@ def test_in_a_browser_the_table_sorts_and_fits_a_phone_by_day_and_night(made, br
     assert evidence < 5 * 900
 
 
+@pytest.mark.parametrize("width", [1400, 1000, 700, 390])
+def test_a_caption_is_no_wider_than_what_is_seen_of_its_table(made, browser, width):
+    material, folder = made
+    opened = browser.new_page(viewport={"width": width, "height": 900})
+    opened.goto(written(material(4), folder).as_uri())
+    over = opened.eval_on_selector_all(
+        ".scroll",
+        "all => all.map(one => one.querySelector('caption').getBoundingClientRect().right - one.getBoundingClientRect().right)",
+    )
+    opened.close()
+    assert over and max(over) < 1
+
+
 def test_what_an_answer_rests_on_is_folded_away_until_it_is_asked_for_or_printed(made, browser):
     material, folder = made
     opened = browser.new_page()
