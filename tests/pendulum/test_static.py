@@ -21,6 +21,15 @@ def test_the_static_torque_is_weight_and_spring_and_friction_has_no_part_in_it()
     assert torque(angle) == pytest.approx(-(FREQUENCY**2) * np.sin(angle) - 3.0 * angle)
 
 
+@pytest.mark.parametrize("exponent", [0.3, 1.0, 2.5])
+def test_a_power_of_the_speed_has_no_part_in_it_either(exponent):
+    power = {"power_law_coefficient": 0.1, "power_law_exponent": exponent}
+    angle = np.array([-1.0, 0.0, 0.4])
+    bare = -(FREQUENCY**2) * np.sin(angle)
+    assert static(model("power_law_drag", **power))(angle) == pytest.approx(bare, abs=1e-12)
+    assert resting(model("power_law_drag", **power)) == 0.0
+
+
 def test_the_drag_is_the_friction_of_speed_alone():
     both = model("viscous+constant_coulomb", viscous_ratio=0.1, constant_friction=0.2)
     assert drag(both)(SPEED) == pytest.approx(2 * 0.1 * FREQUENCY * SPEED + 0.2)

@@ -43,6 +43,7 @@ from .move.refit import FAILURES, opened, refit, with_effect
 from .next.proposal import NextSwing, next_swing
 from .rounds import first_fit, pool_of, round_of, unseen
 from .state import Round
+from .tell.conclusion import holds_throughout
 
 _AGAIN = (
     2  # times that what else would do, or what is around the best of names, may turn out to be more probable
@@ -187,16 +188,18 @@ class _Search:
 
     def _surprised(self, state: Round) -> bool:
         """Whether held-out swings show that something is missing of which the fitted ones show nothing: fitted to all of them the model leaves
-        more than it does of these, by more than five standard deviations of chance."""
+        more than it does of these, by more than five standard deviations of chance. (Of one recording what holds from part to part alone is told as such.)"""
         fit, allowed = state.fit, chance_of(state.fit, self.pool.noise)
         if state.holdout.rms <= allowed:
             return False
         swings = (*self.campaign.fit, *self.campaign.holdout)
         begin = Begin(fit.model, (*fit.begin.swings, *state.holdout.begin.swings))
         try:
-            return refit(begin, swings, grown=False, ended=True).rms > allowed
+            whole = refit(begin, swings, grown=False, ended=True)
         except TrajectoryError:
             return True
+        of_parts = len(self.campaign.whole) == 1 and not holds_throughout(whole, fit, self.campaign)
+        return whole.rms > allowed and not of_parts
 
     def _followed(self, way: list[Structure]) -> list[Structure]:
         """The way to the most probable structure that can follow the held-out swings: one that cannot is none."""

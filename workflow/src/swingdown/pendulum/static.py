@@ -16,7 +16,13 @@ _SLOW = 1e-9  # rad/s
 def static(model: Model) -> Callable[[Floats], Floats]:
     """The torque over inertia (rad/s²) of a model at rest at an angle (rad), its friction left out."""
     torque = _torque(model)
-    return lambda angle: torque(angle, np.zeros_like(angle))
+
+    def at(angle: Floats) -> Floats:
+        slow = np.full_like(angle, _SLOW)  # at none a low power of the speed has no value
+        with np.errstate(invalid="ignore"):
+            return (torque(angle, slow) + torque(angle, -slow)) / 2
+
+    return at
 
 
 def drag(model: Model) -> Callable[[Floats], Floats]:
@@ -42,8 +48,9 @@ def _torque(model: Model) -> Callable[[Floats, Floats], Floats]:
     terms = [model.gravity.term, *(effect.term for effect in model.effects if effect.acts_on == "torque")]
 
     def torque(angle: Floats, speed: Floats) -> Floats:
-        each = [evaluate(term, theta=angle, thetadot=speed, **given) for term in terms]
-        return np.sum(np.broadcast_arrays(angle, *each)[1:], axis=0)
+        with np.errstate(all="ignore"):  # of values that no pendulum has
+            each = [evaluate(term, theta=angle, thetadot=speed, **given) for term in terms]
+            return np.sum(np.broadcast_arrays(angle, *each)[1:], axis=0)
 
     return torque
 

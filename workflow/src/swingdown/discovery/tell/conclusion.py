@@ -53,7 +53,7 @@ def conclusion(state: Round, campaign: Campaign) -> dict[str, Any]:
         If the motion of the last model cannot be followed.
     """
     whole = _of_the_whole(state.fit, state, campaign)
-    follows = whole is not None and _follows(whole.fit, state.fit, campaign)
+    follows = whole is not None and holds_throughout(whole.fit, state.fit, campaign)
     last = whole if whole is not None and follows else _Told(state.fit, campaign.fit)
     others = [
         (share, last if fit is state.fit else _other(fit, state, campaign, follows))
@@ -176,7 +176,7 @@ def _other(fit: Fit, state: Round, campaign: Campaign, whole: bool) -> _Told | N
     return None
 
 
-def _follows(whole: Fit, fitted: Fit, campaign: Campaign) -> bool:
+def holds_throughout(whole: Fit, fitted: Fit, campaign: Campaign) -> bool:
     """Whether a model holds from part to part: of the fitted swings its values of the whole add no more to what is left than was left
     anyway."""
     try:
