@@ -38,7 +38,7 @@ SETTINGS = {
     "see.kinds": ("_ANGLES", "_SPEEDS", "_TIMES", "SMOOTH", "_KEPT", "_FINE"),
     "see.restricted": ("_ANY",),
     "search": ("_AGAIN",),
-    "move.admissible": ("_VAGUE", "_HOPELESS"),
+    "move.admissible": ("_VAGUE", "_HOPELESS", "_CHANCE"),
     "move.ranking": ("_PROMISING", "_FIRST", "_FEW", "_LED", "_MORE", "_FAR", "_FELL_SHORT", "_SHAPES"),
     "move.evidence": ("TIE",),
     "move.candidates": ("WIDEST", "_FIRST"),

@@ -11,6 +11,7 @@ from ..data.campaign import Swing
 from ..data.noise import Noise
 from .refit import widest
 
+_CHANCE = 5.0  # standard deviations of the size of a residual
 _HOPELESS = 1.5  # times what the best leaves
 _VAGUE = 1.0  # standard error over value, of a shape that is not determined
 
@@ -26,8 +27,8 @@ def chance_of(fit: Fit, noise: Noise) -> float:
 
 
 def _by_chance(fit: Fit, noise: Noise) -> float:
-    """Five standard deviations of a residual's size, of one that is noise."""
-    return float(5 / np.sqrt(2 * noise.effective(fit.n)) + 0.01)
+    """What the size of a residual that is noise may be off by, as a share."""
+    return float(_CHANCE / np.sqrt(2 * noise.effective(fit.n)) + 0.01)
 
 
 def hopeless(best: Fit, swings: Sequence[Swing], noise: Noise) -> float:

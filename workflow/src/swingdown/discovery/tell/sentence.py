@@ -129,7 +129,7 @@ def _sure(one: Mapping[str, Any]) -> str:
 
 def _remains(found: Mapping[str, Any], catalogue: Catalogue) -> str:
     """What remains, how large it is, and what may be there and is not sure enough to be named."""
-    kind = f", mostly {found['where']['remaining_kind']}," if found["where"]["remaining_kind"] else ""
+    kind = f", mostly {found['where']['remaining_kind']}," if found["where"]["remaining_kind"] else ","
     joined, why = _may_be(found["stand_ins"], catalogue)
     remaining = found["where"]["lacks"]
     what = "Part of it" if remaining else "The rest" if found["effects"] else "It"
