@@ -62,7 +62,9 @@ def test_several_swings_have_their_own_names_times_and_count():
     assert [one.attrs["recording"] for one in named] == ["a", "b"]
     same(named[1:], 0.5 * ANGLES)
     for names in (["a"], ["a", "a"], ["a", "b", "c"]):
-        with pytest.raises(InputError, match=f"{len(set(names))} names for 2 swings"):
+        with pytest.raises(
+            InputError, match=f"names given: {len(names)}, swings: 2|the name 'a' is there twice"
+        ):
             swings(TIMES, [ANGLES, ANGLES], "rad", names=names)
     with pytest.raises(InputError, match="2 series of times for 1 of angles"):
         swings([TIMES, TIMES], [ANGLES], "rad")
@@ -85,7 +87,7 @@ def test_too_few_samples_and_lengths_that_differ_are_refused():
         swings(TIMES[:9], ANGLES[:9], "rad", kind="swing")
     with pytest.raises(InputError, match="899 angles for 900 times"):
         swings(TIMES, ANGLES[:-1], "rad")
-    with pytest.raises(InputError, match="swing: not a finite number .0 of 0 samples"):
+    with pytest.raises(InputError, match="swing: it is empty"):
         swings(TIMES[:0], ANGLES[:0], "rad", kind="swing")
 
 

@@ -4,6 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from scipy.special import ellipk
 
 from swingdown.engine.trajectory import simulate
@@ -67,6 +68,20 @@ def test_the_period_is_what_a_stop_watch_shows_of_the_first_whole_swing(label, v
     damped = 1 / np.sqrt(1 - values.get("viscous_ratio", 0.0) ** 2)
     elliptic = 4 / OMEGA * ellipk(np.sin(middle / 2) ** 2) * damped
     assert found["period"].value == pytest.approx(elliptic, rel=0.3 * lost**2 + 1e-6)
+
+
+@pytest.mark.parametrize("release", [2.2, 2.97])
+def test_a_wide_swings_decay_time_is_when_its_turning_points_have_fallen(release):
+    """By scipy's integration: near the top each period is far from the next."""
+    ratio, ended = 0.008, lambda t, y: y[1]
+    model = pendulum("viscous", "sine", viscous_ratio=ratio)
+    found = solve_ivp(
+        lambda t, y: [y[1], -(OMEGA**2) * np.sin(y[0]) - 2 * ratio * OMEGA * y[1]],
+        (0, 40), [release, 0.0], rtol=1e-10, atol=1e-12, events=ended,
+    )  # fmt: skip
+    fallen = np.log(release / np.abs(found.y_events[0][1:, 0]))
+    right = np.interp(1.0, fallen, found.t_events[0][1:])
+    assert quantities(model, release)["decay_time"].value == pytest.approx(right, rel=3e-4)
 
 
 @pytest.mark.parametrize("torque", [-9.0, 4.0])

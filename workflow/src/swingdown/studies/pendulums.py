@@ -179,7 +179,7 @@ def _row(
             more |= {"amplitude_text": "the first swings"} if period else {}
         derived = {key: derived[key] for key in _WITHOUT_SCALE} | ({"period": period} if period else {})
         row |= {"amplitude_rad": np.nan, **more}
-    elif name != TOGETHER and not points and (left > MUCH or not meets(own, derived.get("period"))):
+    elif name != TOGETHER and not points and (left > MUCH or not meets(own, derived.get("period"), left)):
         period, more = as_seen(only)
         if period:
             derived = _with_period(derived, period, 1.0 if linear else float(lengthening(amplitude)), left)

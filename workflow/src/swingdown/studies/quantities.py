@@ -23,6 +23,8 @@ _SAMPLES = (
     4000  # of a period: through three of them a parabola finds a turning point to 1e-8 of the amplitude
 )
 _AMPLITUDES = 6  # at which the loss is asked for, from the stated one to its e-th part
+_WIDE, _STEEP = 2.0, 0.01  # rad, of a decrement: a swing whose loss changes from one to the next
+_COARSE, _LONGER = 200, 4  # samples of a period, and times that a swing is followed twice as long
 _SEEN = 3.0  # standard errors of a loss
 _STEP = 0.1  # of a standard error: the differences that uncertainties follow from
 _HALVED = 8  # times at most that a step is halved
@@ -203,6 +205,8 @@ def _decay_time(model: Model, amplitude: float, start: Cycle) -> float:
     later = int(any(one.states for one in model.effects))
     if not np.isfinite(start.decrement):
         return float("nan")
+    if amplitude > _WIDE and start.decrement > _STEEP:
+        return _fall(model, amplitude, start)
     top = np.log(amplitude)
     above = min(float(top) + (1 + later) * start.decrement / 2, float(np.log(3.0)))
     nodes = _cycles(model, np.exp(np.linspace(top - 1, max(above, float(top)), _AMPLITUDES)), later)
@@ -215,6 +219,21 @@ def _decay_time(model: Model, amplitude: float, start: Cycle) -> float:
         return float("nan")
     whole = pace.integ()
     return float(whole(0.0) - whole(-1.0))
+
+
+def _fall(model: Model, amplitude: float, start: Cycle) -> float:
+    """The same of a wide swing that falls steeply: by its turning points, between which the logarithm of their distance runs straight."""
+    middle, span = resting(steady(model)), 2 * start.period / start.decrement
+    for _ in range(_LONGER):
+        times = np.arange(0.0, span, start.period / _COARSE)
+        (angles,) = simulate_each(model, times, [[*model.vector(), middle + amplitude, 0.0]])
+        turns = np.flatnonzero(np.diff(np.sign(np.diff(angles[1:]))) != 0) + 2
+        when, where = np.array([(0.0, angles[0]), *(_vertex(times, angles, k) for k in turns[:-1])]).T
+        fallen = -np.log(np.abs(where - middle) / amplitude)
+        if fallen[-1] > 1.0:
+            return float(np.interp(1.0, np.maximum.accumulate(fallen), when))
+        span *= 2
+    return float("nan")
 
 
 UNITS = {"natural_frequency": "rad/s", "period": "s", "quality": "1", "decay_time": "s"}
