@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.special import ellipk
 
 from swingdown.errors import InputError
 from swingdown.fitting.passages import both_ways, pace
@@ -116,3 +117,21 @@ def test_periods_and_their_uncertainties_are_those_of_a_fitted_parabola():
     assert found.residuals == pytest.approx(left) and found.scatter == pytest.approx(
         np.sqrt(left @ left / 78)
     )
+
+
+@pytest.mark.parametrize("swings", [8, 12, 16, 25, 60])
+def test_one_passage_a_period_of_a_swing_that_falls_fast_tells_the_period_in_its_middle(swings):
+    """Of a pendulum from 0.5 rad whose amplitude falls by 6 % a swing: the ideal period at each amplitude, timed to 0.3 ms."""
+
+    def period(at):
+        return 1.55 * 2 / np.pi * ellipk(np.sin(0.25 * np.exp(-0.04 * at)) ** 2)
+
+    times = [0.0]
+    for _ in range(swings):
+        times.append(times[-1] + period(times[-1] + 0.78))
+    truth, pulls = period(times[-1] / 2), []
+    for seed in range(40):
+        noise = 3e-4 * np.random.default_rng(seed).standard_normal(swings + 1)
+        found = pace(np.array(times) + noise, 2 * np.arange(swings + 1))
+        pulls.append((found.period - truth) / found.u_period)
+    assert np.sqrt(np.mean(np.square(pulls))) < 2.5

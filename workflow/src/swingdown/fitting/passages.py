@@ -12,7 +12,7 @@ from .turning_points import middle
 
 _FEWEST = 3  # terms: a first time, the period, and its change
 _MOST = 10  # terms: more, and the ends swing
-_EACH = 8  # passages for each term
+_EACH = 3  # passages for each term, and two for each of four: a steep fall bends
 
 
 class Pace(NamedTuple):
@@ -82,7 +82,7 @@ def _by_evidence(times: Floats, slopes: Callable[[int], Floats]) -> Floats:
         power = max(float(left @ left), (1e-12 * float(np.ptp(times))) ** 2)
         return times.size * np.log(power / times.size) + one.shape[1] * np.log(times.size)
 
-    most = max(_FEWEST, min(_MOST, times.size // _EACH))
+    most = max(_FEWEST, min(4, times.size // 2), min(_MOST, times.size // _EACH))
     return min((slopes(terms) for terms in range(_FEWEST, most + 1)), key=bic)
 
 
