@@ -367,7 +367,16 @@ def test_columns_that_differ_by_chance_are_trials_however_far(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("head", "factor"), [("angle (deg)", 1.0), ("angle (rad)", np.pi / 180), ("angle", 1.0)]
+    ("head", "factor"),
+    [
+        ("angle (deg)", 1.0),
+        ("angle (rad)", np.pi / 180),
+        ("angle", 1.0),
+        ("Angle of release (°)", 1.0),
+        ("initial amplitude (deg)", 1.0),
+        ("Anfangswinkel (°)", 1.0),
+        ("theta_0 (deg)", 1.0),
+    ],
 )
 def test_wide_swings_are_taken_down_to_small_ones_by_their_angle(tmp_path, head, factor):
     """By the elliptic integral; numbers beyond half a turn are degrees."""

@@ -44,7 +44,11 @@ _LENGTH = re.compile(
 _COUNTER = re.compile(
     r"#|n[or°]?\.?|(?:\w+_)?(?:no\.|nr\.|number|#)|(?:trial|sample|run|measurement|reading|attempt|versuch|messung|essai|prova|ensayo|tentativa)s?(?:_?(?:#|no\.?|number|nr\.?))?"
 )
-_ANGLE = {"angle", "amplitude", "release_angle", "winkel", "theta", "θ", "angolo", "ángulo", "ângulo"}
+# `release_angle`, `angle_of_release`, `initial amplitude`, `theta_0`
+_ANGLE = re.compile(
+    r"(?:(?:release|initial|start(?:ing)?|anfangs|start|auslenk)[_ ]?)?(?:angle|amplitude|winkel|theta|θ|angolo|[áâ]ngulo|ampiezza|amplitud)"
+    r"(?:[_ ](?:of[_ ]release|iniziale|inicial|initiale?|de[_ ]départ|0)|0)?"
+)
 
 
 class Times(NamedTuple):
@@ -70,7 +74,7 @@ class Head(NamedTuple):
     @property
     def angle(self) -> bool:
         """Whether it is the angle of release."""
-        return self.column in _ANGLE
+        return bool(_ANGLE.fullmatch(self.column))
 
 
 class HandTable(NamedTuple):
