@@ -218,9 +218,11 @@ def test_of_one_structure_the_better_fit_counts(spring):
 
 
 def test_something_unnamed_is_a_rival_of_each_name():
-    """A magnet does a little of what a spring leaves: not what is missing, whatever its evidence."""
+    """A narrow magnet does a little of what a spring leaves: not what is missing, whatever its evidence."""
     one = swings((0.9, -0.7, 0.5, 0.3), cubic_stiffness=1.5)
-    pool = pooled(one, "viscous", "viscous+magnet")
+    pool = pooled(one, "viscous")
+    pairs = [swing.pair for swing in one.fit]
+    pool.look(fit_jointly(Model("viscous+magnet"), pairs, bounded=True, fixed={"magnet_width": 0.1}))
     assert pool.nothing() < 0.01
     best = pool.known[frozenset(("viscous", "magnet"))]
     finding = judged(pool, best)["magnet"]
