@@ -95,7 +95,17 @@ class Free:
     def friction_at(self, speed: Floats) -> Banded:
         """The torque of friction over inertia (rad/s²) at these speeds (rad/s): what as a function of speed alone takes as much."""
         value, u, factor = self.loss.band(self.friction.at(speed / self.scale))
+        u = np.hypot(u, value * self.friction_off)
         return self.scale**2 * value, self.scale**2 * u, factor
+
+    @property
+    def friction_off(self) -> float:
+        """By what share the friction may be off for the restoring torque is not the ideal one: work and speed are told by that, and either is off by
+        half as much as the torque; a law of friction carries it from the widest swings to all."""
+        if self.period is None:
+            return 0.0
+        stiffer = self.period.band(self.stiffness.at(np.geomspace(self.low, self.high, _TABLE)))[0]
+        return 0.5 * float(np.abs(stiffer).max())
 
 
 def _unknown(argument: Floats) -> Banded:
