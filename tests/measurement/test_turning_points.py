@@ -96,8 +96,9 @@ def test_rows_sorted_by_angle_are_put_in_the_order_of_time(tmp_path):
     assert np.all(np.diff(found["time"].values) > 0) and "order of their times" in found.attrs["remarks"]
 
 
-def test_numbers_of_swings_are_no_times(tmp_path):
-    found = taken(tmp_path, "n,amplitude (cm)", np.arange(30), 100 * A[::2])
+@pytest.mark.parametrize("head", ["n", "swing", "number of swings", "No. of oscillations"])
+def test_numbers_of_swings_are_no_times(tmp_path, head):
+    found = taken(tmp_path, f"{head},amplitude (cm)", np.arange(30), 100 * A[::2])
     assert "order of their times" not in found.attrs["remarks"]
     assert "each number is taken for a whole swing" in found.attrs["remarks"]
     assert "as the number of the swing" in found.attrs["taken"] and "in cm" in found.attrs["taken"]

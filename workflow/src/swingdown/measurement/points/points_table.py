@@ -21,7 +21,8 @@ from .turning_points import PASSAGES, PERIODS, SWING, Points, points_in
 
 _MOST = 100_000  # rows: of a file with more each is a sample
 _NUMBER = re.compile(
-    r"(?i)^(n|no|nr|num|number|#|k|i|index|swings?|oscillations?|peaks?|cycles?|count|schwingung(en)?)( (no|nr|number|#))?\.?$"
+    r"(?i)^(n|no|nr|num|number|#|k|i|index|swings?|oscillations?|peaks?|cycles?|count|schwingung(en)?"
+    r"|(number|no\.?|nr\.?) of (swings|oscillations|cycles)|zahl der schwingungen)( (no|nr|number|#))?\.?$"
 )
 
 
