@@ -23,7 +23,7 @@ _SAMPLES = (
     4000  # of a period: through three of them a parabola finds a turning point to 1e-8 of the amplitude
 )
 _AMPLITUDES = 6  # at which the loss is asked for, from the stated one to its e-th part
-_WIDE, _STEEP = 2.0, 0.01  # rad, of a decrement: a swing whose loss changes from one to the next
+_WIDE, _STEEP, _HEAVY = 2.0, 0.01, 1.0  # rad, of decrements: a swing whose loss changes from one to the next
 _COARSE, _LONGER = 200, 4  # samples of a period, and times that a swing is followed twice as long
 _SEEN = 3.0  # standard errors of a loss
 _STEP = 0.1  # of a standard error: the differences that uncertainties follow from
@@ -205,7 +205,7 @@ def _decay_time(model: Model, amplitude: float, start: Cycle) -> float:
     later = int(any(one.states for one in model.effects))
     if not np.isfinite(start.decrement):
         return float("nan")
-    if amplitude > _WIDE and start.decrement > _STEEP:
+    if (amplitude > _WIDE and start.decrement > _STEEP) or _HEAVY < start.decrement < np.pi:
         return _fall(model, amplitude, start)
     top = np.log(amplitude)
     above = min(float(top) + (1 + later) * start.decrement / 2, float(np.log(3.0)))
@@ -229,9 +229,11 @@ def _fall(model: Model, amplitude: float, start: Cycle) -> float:
         (angles,) = simulate_each(model, times, [[*model.vector(), middle + amplitude, 0.0]])
         turns = np.flatnonzero(np.diff(np.sign(np.diff(angles[1:]))) != 0) + 2
         when, where = np.array([(0.0, angles[0]), *(_vertex(times, angles, k) for k in turns[:-1])]).T
-        fallen = -np.log(np.abs(where - middle) / amplitude)
-        if fallen[-1] > 1.0:
-            return float(np.interp(1.0, np.maximum.accumulate(fallen), when))
+        stopped = np.flatnonzero((where[1:] - middle) * (where[:-1] - middle) >= 0)
+        ends = stopped[0] + 1 if stopped.size else where.size
+        fallen = -np.log(np.abs(where[:ends] - middle) / amplitude)
+        if fallen.size > 1 and fallen[-2] > 1.0:  # it swings on from there
+            return float(np.interp(1.0, np.maximum.accumulate(fallen), when[:ends]))
         span *= 2
     return float("nan")
 
