@@ -156,8 +156,8 @@ def meets(own: xr.Dataset, period: Quantity | None, left: float) -> bool:
     """False where the ``period`` of a model is surely another than that of the first swings by passages of the middle, as a stop-watch shows.
 
     ``own`` is the recording's part of the norms, ``left`` the share of the swing that the model does not follow. Of swings that grow the first
-    ones need not be the widest. A model that is off by so much in its first swings alone would leave more: of wide swings, whose period
-    falls steeply, passages tell less than it.
+    ones need not be the widest. Of what dies away a model that is off by so much in its first swings alone would leave more: of wide swings,
+    whose period falls steeply, passages tell less than it.
     """
     seen, _ = as_seen(own.isel(recording=0))
     if period is None or seen is None or not (own["narrowing"] < 1 / KEPT).any():
@@ -167,7 +167,7 @@ def meets(own: xr.Dataset, period: Quantity | None, left: float) -> bool:
     swings = float(own["record_s"].max()) / seen.value if "record_s" in own else 1.0
     would_leave = 2 * np.pi * off / seen.value / np.sqrt(max(swings, 1.0))
     far = off > max(_SEEN * float(np.hypot(period.uncertainty, scatter)), SHOWN * seen.value)
-    return not far or would_leave > _SEEN * left
+    return not far or (bool((own["narrowing"] < KEPT).any()) and would_leave > _SEEN * left)
 
 
 def course_seen(row: Mapping[str, Any]) -> bool:
