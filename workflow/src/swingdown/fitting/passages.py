@@ -12,6 +12,7 @@ from .turning_points import middle
 
 _FEWEST = 3  # terms: a first time, the period, and its change
 _MOST = 10  # terms: more, and the ends swing
+_IDLE = 2  # terms, one even and one odd, that say no more: of all beyond one would by chance
 _EACH = 3  # passages for each term, and two for each of four: a steep fall bends
 
 
@@ -83,7 +84,14 @@ def _by_evidence(times: Floats, slopes: Callable[[int], Floats]) -> Floats:
         return times.size * np.log(power / times.size) + one.shape[1] * np.log(times.size)
 
     most = max(_FEWEST, min(4, times.size // 2), min(_MOST, times.size // _EACH))
-    return min((slopes(terms) for terms in range(_FEWEST, most + 1)), key=bic)
+    found, idle = slopes(_FEWEST), 0
+    for terms in range(_FEWEST + 1, most + 1):
+        more = slopes(terms)
+        idle = 0 if bic(more) < bic(found) else idle + 1
+        if idle == _IDLE:
+            break
+        found = found if idle else more
+    return found
 
 
 def both_ways(times: Floats, halves: np.ndarray) -> Floats:
