@@ -62,9 +62,8 @@ def test_several_swings_have_their_own_names_times_and_count():
     assert [one.attrs["recording"] for one in named] == ["a", "b"]
     same(named[1:], 0.5 * ANGLES)
     for names in (["a"], ["a", "a"], ["a", "b", "c"]):
-        with pytest.raises(
-            InputError, match=f"names given: {len(names)}, swings: 2|the name 'a' is there twice"
-        ):
+        told = "the name 'a' is there twice" if len(names) == 2 else f"names given: {len(names)}, swings: 2"
+        with pytest.raises(InputError, match=told):
             swings(TIMES, [ANGLES, ANGLES], "rad", names=names)
     with pytest.raises(InputError, match="2 series of times for 1 of angles"):
         swings([TIMES, TIMES], [ANGLES], "rad")

@@ -159,6 +159,15 @@ def test_norms_of_angles_and_of_rates_side_by_side_say_which_is_in_what(fits):
     assert "degrees/s of recordings whose reading is rate" in mixed["norm"].attrs["comment"]
 
 
+def test_a_fitted_zero_of_angles_beside_one_of_rates_has_a_unit(fits):
+    one, rate = (data.assign(zero=0.0 * data["norm"]) for data in fits[:2])
+    for data, unit in ((one, "rad"), (rate, "rad/s")):
+        data["zero"].attrs = {"units": unit, "long_name": f"at rest, in {unit}"}
+    mixed = norms.combine_recordings([one, rate])
+    assert mixed["zero"].attrs["units"] == "rad"
+    assert mixed["zero"].attrs["comment"] == "rad/s of recordings whose reading is rate"
+
+
 def test_too_few_swings_are_refused(angles, fits):
     short = angles[0].isel(time=slice(0, 60))  # 1.2 s of a period of 0.87 s
     with pytest.raises(InputError, match=r"swing_0: too few swings to fit.*widen start_s"):

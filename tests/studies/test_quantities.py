@@ -73,11 +73,10 @@ def test_the_period_is_what_a_stop_watch_shows_of_the_first_whole_swing(label, v
 @pytest.mark.parametrize(("release", "ratio"), [(2.2, 0.008), (2.97, 0.008), (1.2, 0.3)])
 def test_a_wide_or_heavy_swings_decay_time_is_when_its_turning_points_have_fallen(release, ratio):
     """By scipy's integration: each swing is far from the next."""
-    ended = lambda t, y: y[1]  # noqa: E731
     model = pendulum("viscous", "sine", viscous_ratio=ratio)
     found = solve_ivp(
         lambda t, y: [y[1], -(OMEGA**2) * np.sin(y[0]) - 2 * ratio * OMEGA * y[1]],
-        (0, 40), [release, 0.0], rtol=1e-10, atol=1e-12, events=ended,
+        (0, 40), [release, 0.0], rtol=1e-10, atol=1e-12, events=lambda t, y: y[1],
     )  # fmt: skip
     fallen = np.log(release / np.abs(found.y_events[0][1:, 0]))
     right = np.interp(1.0, [0, *fallen], [0, *found.t_events[0][1:]])

@@ -290,7 +290,7 @@ def _cells(told: Mapping[str, Any]) -> dict[str, Any]:
             raise InputError(f"argument {name}", "there is no such argument", ", ".join(known), f"say {meant[0]}=" if meant else "leave it out")  # fmt: skip
         cell = ARGUMENTS.get(name, name)
         if name == "unit":
-            value = UNITS.get(value, ("", ""))[1] or value  # `degrees` is deg
+            value = UNITS.get(str(value), ("", ""))[1] or value  # `degrees` is deg
         rule = columns.get(cell, {})
         values = rule.get("enum", ())
         if values and value not in ("", *values):

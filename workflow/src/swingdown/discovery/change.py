@@ -1,8 +1,8 @@
 """What follows a change: recordings between which one thing was changed on purpose, and the effect whose size goes with it.
 
 1. Fit all recordings with one model, whose values they share but for the natural frequency: a pendulum that was touched has another.
-2. Give one effect of the model at a time a size for each recording; where none of these explains the change, one of the catalogue: those
-   that promise most to first order are fitted.
+2. Give one effect of the model at a time a size for each recording; where none of these explains the change, or that leaves something, one
+   of the catalogue: those that promise most to first order are fitted. What leaves nothing then is told.
 3. Give each recording all values for itself. What that leaves is what every recording lacks alike: it counts as noise, and cancels.
 4. An effect follows the change where it is the only probable one, beside a discrepancy that all share, and sizes of its own take away
    nearly all that common ones leave beyond that noise.

@@ -10,7 +10,7 @@
    that take away too little of what is missing are left out one by one, where any is left that takes away enough. Of effects that are tied
    a less probable one may be told that leaves less. Of what is told step 4 is asked, too, and what is found to be more probable is judged
    instead. Friction and drag may be sure without a name: by the discrepancy, or by the envelope of the swings (``envelope``). Where something
-   unnamed does as well as any name, the most probable of these is judged (``stand_in``).
+   unnamed does as well as any name, the most probable of these is judged (``stand_in``). What held-out swings alone show is missing, too.
 6. Fit each law of damping beside what else the structure has: the pendulum's values are told from all of them (``conclusion``).
 
 The discrepancy in every structure is that of Kennedy and O'Hagan, J. R. Stat. Soc. B 63, 425 (2001).
@@ -167,9 +167,8 @@ class _Search:
             # where nothing is told, what held-out swings speak against is no better model
             last, found, states = way[0], {}, self._rounds(way[:1])
         if not states[-1].missing and self._surprised(states[-1]):
-            states[-1] = replace(
-                states[-1], missing=True, groups=()
-            )  # where the fitted swings lack it is not seen
+            # where in the fitted swings it is missing is not seen
+            states[-1] = replace(states[-1], missing=True, groups=())
         state = replace(
             states[-1], reason=self._reason(last), findings=found, probabilities=pool.effects(), nothing=pool.nothing(),
             spent=self.budget.spent,
@@ -188,7 +187,8 @@ class _Search:
 
     def _surprised(self, state: Round) -> bool:
         """Whether held-out swings show that something is missing of which the fitted ones show nothing: fitted to all of them the model leaves
-        more than it does of these, by more than five standard deviations of chance. (Of one recording what holds from part to part alone is told as such.)"""
+        more than it does of these, by more than five standard deviations of chance. (Of one recording what holds from part to part alone is told
+        as such.)"""
         fit, allowed = state.fit, chance_of(state.fit, self.pool.noise)
         if state.holdout.rms <= allowed:
             return False

@@ -59,9 +59,8 @@ def fit_circle(x: Floats, y: Floats, place: str = "positions") -> Circle:
     """
     usual, circle, kept = _settled(x, y, np.ones(x.size, dtype=bool), place)
     size = np.hypot(x - np.median(x), y - np.median(y))
-    if not (
-        near := size <= NEAR * float(np.median(size))
-    ).all():  # a few far off can draw a circle to themselves
+    near = size <= NEAR * float(np.median(size))
+    if not near.all():  # a few far off can draw a circle to themselves
         with suppress(InputError):
             usual, circle, kept = min((usual, circle, kept), _settled(x, y, near, place), key=itemgetter(0))
     arc = float(np.ptp(np.unwrap(np.arctan2(y[kept] - circle.y, x[kept] - circle.x))))

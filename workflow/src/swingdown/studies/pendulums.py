@@ -293,9 +293,8 @@ def by_verdict(row: Mapping[str, Any], verdict: Mapping[str, Any]) -> dict[str, 
     if zero and is_open(zero["value"], zero["standard_error"]):
         found |= cells_of(ZERO, Quantity(zero["value"], zero["standard_error"], zero["unit"]))
     rates = verdict.get("reading") == RATE
-    settled = verdict.get("effects") and not verdict.get(
-        "unit_doubt"
-    )  # what was missing is found in the unit that there is
+    # what was missing is found in the unit that there is
+    settled = verdict.get("effects") and not verdict.get("unit_doubt")
     remarks = [
         one for one in row.get("remark", "").split("; ")
         if one != _doubt_of(row) and not (settled and one.startswith(IN_DOUBT))

@@ -1,7 +1,7 @@
 """What an experimenter asks of a pendulum: period, natural frequency, quality factor, decay time, with their uncertainties.
 
-All are of the fitted model, started at rest from a stated amplitude, which is counted from where it hangs: a pendulum whose damping is not viscous has another
-quality at each.
+All are of the fitted model, started at rest from a stated amplitude, which is counted from where it hangs: a pendulum whose damping
+is not viscous has another quality at each.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -205,6 +205,7 @@ def _decay_time(model: Model, amplitude: float, start: Cycle) -> float:
     later = int(any(one.states for one in model.effects))
     if not np.isfinite(start.decrement):
         return float("nan")
+    # what loses more than the e-th part in each half-swing hardly comes back
     if (amplitude > _WIDE and start.decrement > _STEEP) or _HEAVY < start.decrement < np.pi:
         return _fall(model, amplitude, start)
     top = np.log(amplitude)

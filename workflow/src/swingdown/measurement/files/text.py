@@ -113,8 +113,9 @@ def pieces_of(source: BinaryIO, encoding: str, name: str) -> Iterator[tuple[int,
         if cut:
             whole = _MINUS.sub(b"-", text[:cut])
             whole = _ARC.sub(_in_degrees, whole) if b"\xb0" in whole else whole
-            parts = parts or bool(_NO_FRAMES.search(whole))
-            whole = _VIDEO.sub(rb"\1.\2", whole) if parts else whole
+            if b":" in whole:
+                parts = parts or bool(_NO_FRAMES.search(whole))
+                whole = _VIDEO.sub(rb"\1.\2", whole) if parts else whole
             yield line, _FORTRAN.sub(b"E", _ROW.sub(rb"\1", _QUOTED.sub(rb"\1", whole)))
             line += text.count(b"\n", 0, cut)
         rest = text[cut:] + half

@@ -275,9 +275,8 @@ def _countings(times: Floats, usual: float) -> list[NDArray[np.integer]]:
     alike = np.arange(times.size)
     mean = (times[-1] - times[0]) / (times.size - 1)
     steps = np.diff(times)
-    beside = (
-        float(steps[steps < MISSING * usual].mean()) if usual else 0.0
-    )  # of those over which none is missing
+    # of those over which none is missing
+    beside = float(steps[steps < MISSING * usual].mean()) if usual else 0.0
     found = []
     for interval in {usual, beside, mean} - {0.0}:
         slots = np.round((times - times[0]) / interval).astype(np.int64)
