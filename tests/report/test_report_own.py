@@ -5,11 +5,14 @@ from dataclasses import replace
 
 import pandas as pd
 import pytest
+from markupsafe import Markup
 
+from swingdown.language import language
 from swingdown.planning.settings import complete
 from swingdown.report.material import Material
 from swingdown.report.page import Table, Text
 from swingdown.report.sections import own
+from swingdown.report.spoken import in_language
 from swingdown.studies.pendulums import NOT_DYING, REFUSED, SEARCH, TOGETHER
 from swingdown.studies.turning_points import NOT_DAMPED
 
@@ -116,9 +119,27 @@ def test_a_verdict_stands_above_with_what_was_held_out_and_what_each_effect_gain
 
 def test_of_two_pendulums_each_sentence_begins_with_its_name_and_of_one_not():
     one, two = (own.answer(material(*several(count))) for count in (1, 2))
-    assert not str(one.items[0].text).startswith("p0")
-    leads = [str(item.text) for item in two.items if isinstance(item, Text) and item.style == "lead"]
+    assert not Markup(one.items[0].text).striptags().startswith("p0")
+    leads = [
+        Markup(item.text).striptags() for item in two.items if isinstance(item, Text) and item.style == "lead"
+    ]
     assert [lead.split(":")[0] for lead in leads] == ["p0", "p1"]
+
+
+def test_in_another_language_a_name_stays_and_its_sentence_is_said():
+    """Of a recording that is called as a word of the page."""
+    rows = [
+        row | {"campaign": name, "recording": name}
+        for row, name in zip(several(2), ("period", "rate"), strict=True)
+    ]
+    (spoken,) = in_language([own.answer(material(*rows))], language("de"))
+    leads = [
+        Markup(item.text).striptags()
+        for item in spoken.items
+        if isinstance(item, Text) and item.style == "lead"
+    ]
+    for name, lead in zip(("period", "rate"), leads, strict=True):
+        assert lead.startswith(f"{name}: Luftwiderstand (viskos) bremst die Schwingung: T = 1,2345(12) s")
 
 
 def test_more_than_two_pendulums_are_a_table_that_sorts_with_what_could_not_be_used():

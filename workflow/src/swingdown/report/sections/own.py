@@ -77,7 +77,7 @@ def _headline(rows: pd.DataFrame, found: Mapping[str, Any] | None, material: Mat
     """What stops a pendulum, with the period and quality of its swing or of all of them together."""
     settings, row = material.settings, rows.iloc[-1].to_dict()
     told = headline(row, found, catalogue(settings.get("effects")), settings["model"]["restoring"])
-    name = Markup("{}: ").format(row["campaign"]) if several else ""
+    name = Markup("<code>{}:</code> ").format(row["campaign"]) if several else ""  # in no language another
     return Text(Markup("{}{}").format(name, numbers.in_sentence(told)), "lead")
 
 
